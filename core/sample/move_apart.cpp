@@ -24,8 +24,8 @@ namespace {
 constexpr char kStage[] = "relax";
 constexpr std::size_t kGrain = 32;  // blocks
 // Tried on a square with 16,384 jittered points: longer steps begin to swing, shorter ones take more rounds.
-constexpr double kStep = 0.5;  // of the push, in spacings
-constexpr double kDamping = 2;
+constexpr double kStep = 0.5;         // of the push, in spacings
+constexpr double kDamping = 2;        // in the second half of the rounds they shrink, so that nothing swings on ridges
 constexpr float kPoor = 0.7F;         // spacings: points that have a neighbour so near are moved once more,
 constexpr int kSweeps = 5;            // so often,
 constexpr double kMostBeside = 0.02;  // of the points, below kPoor only because of the surface's other side
@@ -34,7 +34,7 @@ constexpr double kGoldenCosine = -0.7373688780783197, kGoldenSine = 0.6754902942
 constexpr double kMostStep = 0.3;  // spacings
 // A point beside a border is pushed away from it as by its own picture in a mirror; so hard, that as many points are beside the
 // border as elsewhere. Without it a row of them would stand on the border itself.
-constexpr float kMirror = 1.3F;
+constexpr double kMirror = 1.3;
 constexpr std::uint64_t kBytesPerPoint = 176;
 
 /// The length of steps in a round, of the push.
@@ -45,9 +45,9 @@ double step_of(int round, int rounds) {
 
 class Relaxation {
  public:
-  Relaxation(const SurfaceWalk& surface, const CurveBase& base, PointSet& points, const ExecutionContext& context)
+  Relaxation(const SurfaceWalk& surface, bool has_borders, const PointSet& points, const ExecutionContext& context)
       : surface_(surface),
-        has_borders_(!base.data.borders.empty()),
+        has_borders_(has_borders),
         context_(context),
         origin_(points.origin),
         repulsion_(points.size()),
@@ -68,13 +68,11 @@ class Relaxation {
   /// `step`: of a push, in spacings.
   absl::Status move_all(double step) {
     set_all();
-    if (!is_begun_) repulsion_.expect_moves(static_cast<float>(kMostMove));
-    is_begun_ = true;
     for_blocks(context_, repulsion_.block_count(), kGrain, [&](std::size_t begin, std::size_t end) {
       WorkLimit::Meter meter(context_.limit);
       Repulsion::Scratch scratch;
       for (std::size_t b = begin; b < end; ++b) {
-        if (context_.limit != nullptr && context_.limit->is_spent()) return;
+        if (!context_.check_limit().ok()) return;
         const std::array<Vec3f, Repulsion::kBlock> pushes = repulsion_.find(b, scratch);
         // Nobody else reads or writes these before all are done: forces are those of repulsion_.
         for (std::size_t i = b * Repulsion::kBlock; i < std::min(places_.size(), (b + 1) * Repulsion::kBlock); ++i) {
@@ -92,6 +90,7 @@ class Relaxation {
     set_all();
     std::vector<std::uint8_t> is_poor(places_.size());  // 1: because of others on the other side; 2: on the same
     for_blocks(context_, places_.size(), kGrain * Repulsion::kBlock, [&](std::size_t begin, std::size_t end) {
+      if (!context_.check_limit().ok()) return;
       WorkLimit::Meter meter(context_.limit);
       Repulsion::Scratch scratch;
       for (std::size_t i = begin; i < end; ++i) {
@@ -146,7 +145,7 @@ class Relaxation {
     const WalkPlace from = places_[i];
     std::pair<float, float> best = worth(from);
     const auto spacing = static_cast<double>(spacing_[i]);
-    const Vec3d first = surface_.normal(from.face).unitOrthogonal(), second = surface_.normal(from.face).cross(first);
+    const Vec3d normal = surface_.normal(from.face), first = normal.unitOrthogonal(), second = normal.cross(first);
     double x = 1, y = 0;
     for (int k = 0; k < kPlaces && best < kEnough; ++k) {
       const double distance = kMostMove * spacing * std::sqrt((k + 1.0) / kPlaces);
@@ -185,7 +184,7 @@ class Relaxation {
     const Vec3d back = place.position - ahead.place.position;
     const double distance = back.norm(), near = 1 - distance / spacing;  // of the picture: twice as far
     if (!(near > 0 && distance > 0)) return Vec3d::Zero();
-    return static_cast<double>(kMirror) * near * near / distance * back;
+    return kMirror * near * near / distance * back;
   }
 
   const SurfaceWalk& surface_;
@@ -193,7 +192,6 @@ class Relaxation {
   const ExecutionContext& context_;
   const Vec3d origin_;
   Repulsion repulsion_;
-  bool is_begun_ = false;
   std::vector<WalkPlace> places_;
   std::vector<Vec3d> first_;   // where they were
   std::vector<Vec3d> normal_;  // of their faces, when set_all() was called
@@ -231,7 +229,7 @@ absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, con
   const absl::StatusOr<TriangleMesh> joined = surface_mesh(mesh, base.data.borders, context);
   if (!joined.ok()) return joined.status();
   const SurfaceWalk surface(*joined);
-  Relaxation relaxation(surface, base, points, context);
+  Relaxation relaxation(surface, !base.data.borders.empty(), points, context);
   for (int round = 0; round < rounds; ++round) {
     context.progress(kStage, static_cast<double>(round) / rounds);
     if (absl::Status status = relaxation.move_all(step_of(round, rounds)); !status.ok()) return status;

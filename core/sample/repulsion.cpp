@@ -116,7 +116,7 @@ void Repulsion::move(std::size_t i, const Vec3f& position, const Vec3f& normal) 
 }
 
 Repulsion::Nearest Repulsion::nearest(std::size_t i, const Vec3f& position, const Vec3f& normal, Scratch& scratch) const {
-  list_near({position, position, spacing_[i]}, 0, scratch.near);
+  list_near({position, position, spacing_[i]}, scratch.near);
   Nearest nearest;
   for (const std::uint32_t b : scratch.near) {
     for (std::size_t j = b * kBlock; j < std::min(size_, (b + 1) * kBlock); ++j) {
@@ -130,50 +130,28 @@ Repulsion::Nearest Repulsion::nearest(std::size_t i, const Vec3f& position, cons
   return nearest;
 }
 
-void Repulsion::expect_moves(float most) {
-  std::vector<std::uint32_t> near;
-  near_begin_.assign(1, 0);
-  near_.clear();
-  for (const Box& box : boxes_[0]) {
-    list_near(box, most, near);
-    near_.insert(near_.end(), near.begin(), near.end());
-    near_begin_.push_back(static_cast<std::uint32_t>(near_.size()));
-  }
-}
-
-bool Repulsion::may_push(const Box& a, const Box& b, float moves) {
-  const Vec3f gap = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0.0F);
-  const float reach = 2 * std::min(a.spacing, b.spacing) + moves * (a.spacing + b.spacing);
-  return gap.squaredNorm() < reach * reach;
-}
-
-void Repulsion::list_near(const Box& around, float moves, std::vector<std::uint32_t>& near) const {
+void Repulsion::list_near(const Box& around, std::vector<std::uint32_t>& near) const {
   near.clear();
   const std::size_t top = boxes_.size() - 1;
-  for (std::size_t b = 0; b < boxes_[top].size(); ++b) add_near(top, b, around, moves, near);
+  for (std::size_t b = 0; b < boxes_[top].size(); ++b) add_near(top, b, around, near);
 }
 
 /// Lists the blocks in a box whose points may push those in another one.
-void Repulsion::add_near(std::size_t level, std::size_t b, const Box& around, float moves,
-                         std::vector<std::uint32_t>& near) const {
-  if (!may_push(boxes_[level][b], around, moves)) return;
+void Repulsion::add_near(std::size_t level, std::size_t b, const Box& around, std::vector<std::uint32_t>& near) const {
+  const Box& box = boxes_[level][b];
+  const Vec3f gap = (box.low - around.high).cwiseMax(around.low - box.high).cwiseMax(0.0F);
+  const float reach = 2 * std::min(box.spacing, around.spacing);
+  if (gap.squaredNorm() >= reach * reach) return;
   if (level == 0) {
     near.push_back(static_cast<std::uint32_t>(b));
     return;
   }
   const std::size_t end = std::min(boxes_[level - 1].size(), (b + 1) * kFan);
-  for (std::size_t i = b * kFan; i < end; ++i) add_near(level - 1, i, around, moves, near);
+  for (std::size_t i = b * kFan; i < end; ++i) add_near(level - 1, i, around, near);
 }
 
 std::array<Vec3f, Repulsion::kBlock> Repulsion::find(std::size_t block, Scratch& scratch) const {
-  if (near_begin_.empty()) {
-    list_near(boxes_[0][block], 0, scratch.near);
-  } else {
-    scratch.near.clear();
-    for (std::uint32_t n = near_begin_[block]; n < near_begin_[block + 1]; ++n) {
-      if (may_push(boxes_[0][near_[n]], boxes_[0][block], 0)) scratch.near.push_back(near_[n]);
-    }
-  }
+  list_near(boxes_[0][block], scratch.near);
   const std::size_t count = scratch.near.size();
   for (std::size_t axis = 0; axis < 3; ++axis) scratch.low[axis].resize(count), scratch.high[axis].resize(count);
   scratch.spacing.resize(count);

@@ -27,12 +27,10 @@ class Repulsion {
 
   std::size_t block_count() const { return x_.size() / kBlock; }
   /// Says where a point is. `spacing`: how far it keeps from others of its kind; `normal`: unit length, or zero where it has
-  /// none: it is not pushed, nor does it push.
+  /// none: it faces as all others do.
   void set(std::size_t i, const Vec3f& position, const Vec3f& normal, float spacing);
   /// Has to be called once points have been set, before anything is asked for.
   void fill_boxes();
-  /// Promises that no point will be farther from where it is now than so many of its spacings: find() need not search any more.
-  void expect_moves(float most);
   /// Moves a point, without fill_boxes().
   void move(std::size_t i, const Vec3f& position, const Vec3f& normal);
 
@@ -56,14 +54,12 @@ class Repulsion {
   };
   static constexpr std::size_t kFan = 8;  // boxes in a box
 
-  /// Lists the blocks whose points may push those in a box, now or once they have moved by so many spacings.
-  void list_near(const Box& around, float moves, std::vector<std::uint32_t>& near) const;
-  static bool may_push(const Box& a, const Box& b, float moves);
-  void add_near(std::size_t level, std::size_t box, const Box& around, float moves, std::vector<std::uint32_t>& near) const;
+  /// Lists the blocks whose points may push those in a box.
+  void list_near(const Box& around, std::vector<std::uint32_t>& near) const;
+  void add_near(std::size_t level, std::size_t box, const Box& around, std::vector<std::uint32_t>& near) const;
 
   const std::size_t size_;
   std::vector<float> x_, y_, z_, nx_, ny_, nz_, spacing_;  // filled up to whole blocks with points that push nobody
-  std::vector<std::uint32_t> near_begin_, near_;           // of each block: those that may ever push; empty: nothing was promised
   std::vector<std::vector<Box>> boxes_;                    // by level, from the blocks' own up to a few
 };
 

@@ -76,23 +76,6 @@ TEST(RepulsionTest, IsTheSumOverAllPairs) {
 
 TEST(RepulsionTest, IsTheSumOverAllPairsWhereSpacingsDiffer) { expect_definition(random_particles(2000, 0.01F, 1.0F)); }
 
-TEST(RepulsionTest, IsTheSameAfterMovesThatWereExpected) {
-  std::vector<Particle> particles = random_particles(1500, 0.05F, 0.3F);
-  Repulsion with_promise = repulsion_of(particles);
-  with_promise.expect_moves(0.75F);
-  std::mt19937 generator(3);
-  std::uniform_real_distribution<float> side(-0.43F, 0.43F);  // of a cube whose corners are 0.75 from its middle
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    Particle& p = particles[i];
-    p.position += p.spacing * Vec3f(side(generator), side(generator), side(generator));
-    with_promise.set(i, p.position, p.normal, p.spacing);
-  }
-  with_promise.fill_boxes();
-  const Repulsion without = repulsion_of(particles);
-  Repulsion::Scratch one, other;
-  for (std::size_t b = 0; b < without.block_count(); ++b) EXPECT_EQ(with_promise.find(b, one), without.find(b, other)) << b;
-}
-
 TEST(RepulsionTest, PushesPairsApartWithEqualForce) {
   const std::vector<Particle> particles = {{{0, 0, 0}, {0, 0, 1}, 1}, {{0.5, 0, 0}, {0, 0, 1}, 3}};
   Repulsion::Scratch scratch;
