@@ -6,7 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/base/packed_distance.h"
 
 namespace curvecast {
 namespace {
@@ -33,7 +34,7 @@ NeighbourDistances summarise(std::span<const Neighbour> nearest, const PointClou
 
 }  // namespace
 
-double packing_radius(double area, std::size_t n) { return std::sqrt(area / (2 * std::numbers::sqrt3 * static_cast<double>(n))); }
+double packing_radius(double area, std::size_t n) { return 0.5 * packed_distance(area, static_cast<double>(n)); }
 
 NeighbourDistances neighbour_distances(double area, const PointCloud& points) {
   std::vector<Neighbour> nearest(points.size());

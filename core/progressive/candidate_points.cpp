@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/packed_distance.h"
 #include "core/base/random.h"
 #include "core/base/simd.h"
 #include "core/progressive/group_order.h"
@@ -51,7 +52,7 @@ std::size_t index_of(float value, const float* values) {
 
 }  // namespace
 
-float lattice_distance(double area, double n) { return static_cast<float>(std::sqrt(2 * area / (std::numbers::sqrt3 * n))); }
+float lattice_distance(double area, double n) { return static_cast<float>(packed_distance(area, n)); }
 
 CURVECAST_WIDE BestCandidate best_candidate(const float* nearest_lower, const float* nearest_higher, float n) {
   float value[kCandidates];

@@ -11,6 +11,7 @@
 
 #include "core/base/for_all.h"
 #include "core/base/memory_claim.h"
+#include "core/base/packed_distance.h"
 #include "core/base/work_limit.h"
 #include "core/curve/place_attributes.h"
 #include "core/mesh/surface_mesh.h"
@@ -60,7 +61,7 @@ class Relaxation {
         const FacePlace& place = points.places[i];
         places_[i] = surface.place(place.face, static_cast<double>(place.weight_1), static_cast<double>(place.weight_2));
         first_[i] = places_[i].position;
-        spacing_[i] = static_cast<float>(packed_spacing(SplatRadius::area_of_point(points.radii[i])));
+        spacing_[i] = static_cast<float>(packed_distance(SplatRadius::area_of_point(points.radii[i]), 1));
       }
     });
   }
@@ -118,9 +119,6 @@ class Relaxation {
   const WalkPlace& place(std::size_t i) const { return places_[i]; }
 
  private:
-  /// The distance of neighbours in a hexagonal lattice of points that each stand for such an area.
-  static double packed_spacing(double area) { return std::sqrt(2 / std::sqrt(3.0) * area); }
-
   Vec3f local(const WalkPlace& place) const { return (place.position - origin_).cast<float>(); }
 
   void set_all() {
