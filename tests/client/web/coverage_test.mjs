@@ -19,6 +19,7 @@ const views = Number(process.env.CURVECAST_COVERAGE_VIEWS ?? 20); // of each mes
 const points = 20_000;
 const outlineViews = 4;
 const fewPoints = 5000; // of the silhouettes
+const maxRatio = 1.05; // of wrong pixels with them to those of even points, of one mesh: discs end at outlines by themselves
 const minCovered = 0.995;
 const maxUncovered = 0.1; // pixels a view
 const edge = 2; // pixels at the outline that do not count
@@ -162,6 +163,7 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
   }
 
   it(`follow the outline better where the density does, at ${fewPoints} points`, async () => {
+    const total = { even: 0, silhouettes: 0 };
     for (const mesh of meshes) {
       await withMesh(mesh, `points=${fewPoints}&silhouetteFloor=0.05`, async (page) => {
         const empty = await page.emptyPicture();
@@ -187,8 +189,10 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
           `wrong pixels at the outline, ${outlineViews} views: even ${errors.even}, silhouettes ${errors.silhouettes}, ` +
             `ratio ${(errors.silhouettes / errors.even).toFixed(2)}`,
         );
-        assert.ok(errors.silhouettes < errors.even);
+        for (const kind of Object.keys(total)) total[kind] += errors[kind];
+        assert.ok(errors.silhouettes < maxRatio * errors.even); // what a few views of one mesh may differ by
       });
     }
+    assert.ok(total.silhouettes < total.even);
   });
 });
