@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 #include "core/base/for_all.h"
@@ -16,6 +14,8 @@
 #include "core/curve/place_attributes.h"
 #include "core/mesh/surface_mesh.h"
 #include "core/mesh/surface_walk.h"
+#include "core/sample/overlap.h"
+#include "core/sample/point_blocks.h"
 #include "core/sample/repulsion.h"
 #include "core/sample/splat_radius.h"
 
@@ -25,13 +25,16 @@ namespace {
 constexpr char kStage[] = "relax";
 constexpr std::size_t kGrain = 32;  // blocks
 // Tried on a square with 16,384 jittered points: longer steps begin to swing, shorter ones take more rounds.
-constexpr double kStep = 0.5;         // of the push, in spacings
-constexpr double kDamping = 2;        // in the second half of the rounds they shrink, so that nothing swings on ridges
-constexpr float kPoor = 0.7F;         // spacings: points that have a neighbour so near are moved once more,
-constexpr int kSweeps = 5;            // so often,
-constexpr double kMostBeside = 0.02;  // of the points, below kPoor only because of the surface's other side
-constexpr int kPlaces = 32;           // to the best of so many places, on a spiral
-constexpr double kGoldenCosine = -0.7373688780783197, kGoldenSine = 0.6754902942615238;
+constexpr double kStep = 0.5;   // of the push, in spacings
+constexpr double kDamping = 2;  // in the second half of the rounds they shrink, so that nothing swings on ridges
+constexpr int kSweeps = 48;     // at most, over points that are too near to others
+// Sheets thinner than the spacing have others behind all points. Where those keep the whole distance, those on the same side
+// cannot, and the set is less even: by a third on two squares.
+constexpr float kApartInSheets = 0.55F;  // spacings
+constexpr double kMostBehind = 0.02;     // of the points that are looked at are too near to others behind, but in sheets
+constexpr std::size_t kLookAt = 8;       // every one of so many blocks
+constexpr double kMostPushed = 0.65;     // spacings: the rest of kMostMove is for parting
+constexpr int kAttempts = 3;
 constexpr double kMostStep = 0.3;  // spacings
 // A point beside a border is pushed away from it as by its own picture in a mirror; so hard, that as many points are beside the
 // border as elsewhere. Without it a row of them would stand on the border itself.
@@ -51,12 +54,12 @@ class Relaxation {
         has_borders_(has_borders),
         context_(context),
         origin_(points.origin),
-        repulsion_(points.size()),
+        points_(points.size()),
         places_(points.size()),
         first_(points.size()),
         normal_(points.size()),
         spacing_(points.size()) {
-    for_blocks(context, points.size(), kGrain * Repulsion::kBlock, [&](std::size_t begin, std::size_t end) {
+    for_blocks(context, points.size(), kGrain * PointBlocks::kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FacePlace& place = points.places[i];
         places_[i] = surface.place(place.face, static_cast<double>(place.weight_1), static_cast<double>(place.weight_2));
@@ -69,51 +72,34 @@ class Relaxation {
   /// `step`: of a push, in spacings.
   absl::Status move_all(double step) {
     set_all();
-    for_blocks(context_, repulsion_.block_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-      WorkLimit::Meter meter(context_.limit);
-      Repulsion::Scratch scratch;
-      for (std::size_t b = begin; b < end; ++b) {
-        if (!context_.check_limit().ok()) return;
-        const std::array<Vec3f, Repulsion::kBlock> pushes = repulsion_.find(b, scratch);
-        // Nobody else reads or writes these before all are done: forces are those of repulsion_.
-        for (std::size_t i = b * Repulsion::kBlock; i < std::min(places_.size(), (b + 1) * Repulsion::kBlock); ++i) {
-          move(i, step, pushes[i - b * Repulsion::kBlock]);
-        }
-        meter.settle();
-      }
+    for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
+      const std::array<Vec3f, PointBlocks::kBlock> pushes = repulsion(points_, b, scratch);
+      for (std::size_t k = 0; k < points_.size_of(b); ++k) move(b * PointBlocks::kBlock + k, step, pushes[k]);
     });
     return context_.check_limit();
   }
 
-  /// Moves points that are too near to others all the same, as there are some where the surface bends within a spacing, one by
-  /// one to the best of some places around.
-  absl::Status keep_apart() {
+  /// Parts points that are too near to others all the same. Only those are looked at again that were so, and what they came near.
+  absl::Status part() {
     set_all();
-    std::vector<std::uint8_t> is_poor(places_.size());  // 1: because of others on the other side; 2: on the same
-    for_blocks(context_, places_.size(), kGrain * Repulsion::kBlock, [&](std::size_t begin, std::size_t end) {
-      if (!context_.check_limit().ok()) return;
-      WorkLimit::Meter meter(context_.limit);
-      Repulsion::Scratch scratch;
-      for (std::size_t i = begin; i < end; ++i) {
-        const Repulsion::Nearest near = nearest(i, places_[i], scratch);
-        is_poor[i] = near.on_side < kPoor ? 2 : near.at_all < kPoor ? 1 : 0;
-      }
-      meter.settle();
-    });
-    // Sheets thinner than the spacing have others on their other side everywhere: there is no place without.
-    const auto beside = static_cast<double>(std::count(is_poor.begin(), is_poor.end(), 1));
-    const bool is_thin = beside > kMostBeside * static_cast<double>(places_.size());
-    WorkLimit::Meter meter(context_.limit);
-    Repulsion::Scratch scratch;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const float apart_behind = has_sheets() ? kApartInSheets : kApart;
+    std::vector<std::uint8_t> is_awake(places_.size(), 1), wakes(places_.size());
+    for (int sweep = 0; sweep < kSweeps && std::find(is_awake.begin(), is_awake.end(), 1) != is_awake.end(); ++sweep) {
+      for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
+        const Overlap overlap = find_overlap(points_, b, apart_behind, is_awake, wakes, scratch);
+        for (std::size_t k = 0; k < PointBlocks::kBlock; ++k) {
+          const std::size_t i = b * PointBlocks::kBlock + k;
+          if (overlap.is_found[k]) go(i, overlap.steps[k].cast<double>(), kMostMove * static_cast<double>(spacing_[i]));
+        }
+      });
+      if (absl::Status status = context_.check_limit(); !status.ok()) return status;
       for (std::size_t i = 0; i < places_.size(); ++i) {
-        if (is_poor[i] <= (is_thin ? 1 : 0)) continue;
-        if (absl::Status status = context_.check_limit(); !status.ok()) return status;
-        if (move_to_best(i, is_thin, scratch)) is_poor[i] = 0;
-        meter.settle();
+        if (wakes[i] != 0) points_.move(i, local(places_[i]), surface_.normal(places_[i].face).cast<float>());
       }
+      is_awake.swap(wakes);
+      std::fill(wakes.begin(), wakes.end(), 0);
     }
-    return context_.check_limit();
+    return absl::OkStatus();
   }
 
   const WalkPlace& place(std::size_t i) const { return places_[i]; }
@@ -124,36 +110,32 @@ class Relaxation {
   void set_all() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       normal_[i] = surface_.normal(places_[i].face);
-      repulsion_.set(i, local(places_[i]), normal_[i].cast<float>(), spacing_[i]);
+      points_.set(i, local(places_[i]), normal_[i].cast<float>(), spacing_[i]);
     }
-    repulsion_.fill_boxes();
+    points_.fill_boxes();
   }
 
-  Repulsion::Nearest nearest(std::size_t i, const WalkPlace& place, Repulsion::Scratch& scratch) const {
-    return repulsion_.nearest(i, local(place), surface_.normal(place.face).cast<float>(), scratch);
+  /// Whether the surface is thinner than the spacing over much of it.
+  bool has_sheets() const {
+    PointBlocks::Scratch scratch;
+    std::size_t behind = 0, all = 0;
+    for (std::size_t b = 0; b < points_.block_count(); b += kLookAt) {
+      behind += count_too_near_behind(points_, b, scratch);
+      all += points_.size_of(b);
+    }
+    return static_cast<double>(behind) > kMostBehind * static_cast<double>(all);
   }
 
-  /// Returns whether the point is far enough from others now. Those on its side count first.
-  bool move_to_best(std::size_t i, bool only_on_side, Repulsion::Scratch& scratch) {
-    constexpr std::pair kEnough(kPoor, kPoor);
-    const auto worth = [&](const WalkPlace& place) {
-      const Repulsion::Nearest near = nearest(i, place, scratch);
-      return std::pair(std::min(near.on_side, kPoor), only_on_side ? kPoor : std::min(near.at_all, kPoor));
-    };
-    const WalkPlace from = places_[i];
-    std::pair<float, float> best = worth(from);
-    const auto spacing = static_cast<double>(spacing_[i]);
-    const Vec3d normal = surface_.normal(from.face), first = normal.unitOrthogonal(), second = normal.cross(first);
-    double x = 1, y = 0;
-    for (int k = 0; k < kPlaces && best < kEnough; ++k) {
-      const double distance = kMostMove * spacing * std::sqrt((k + 1.0) / kPlaces);
-      const SurfaceWalk::End end = surface_.straight(from, distance * (x * first + y * second));
-      std::tie(x, y) = std::pair(kGoldenCosine * x - kGoldenSine * y, kGoldenSine * x + kGoldenCosine * y);
-      if (end.is_on_border || (end.place.position - first_[i]).norm() > kMostMove * spacing) continue;
-      if (const std::pair<float, float> there = worth(end.place); there > best) best = there, places_[i] = end.place;
-    }
-    repulsion_.move(i, local(places_[i]), surface_.normal(places_[i].face).cast<float>());
-    return best >= kEnough;
+  /// Calls work(block, scratch), which may move the block's own points: what it reads of others is how they were before.
+  template <typename Work>
+  void for_all_blocks(const Work& work) {
+    for_blocks(context_, points_.block_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (!context_.check_limit().ok()) return;
+      WorkLimit::Meter meter(context_.limit);
+      PointBlocks::Scratch scratch;
+      for (std::size_t b = begin; b < end; ++b) work(b, scratch);
+      meter.settle();
+    });
   }
 
   void move(std::size_t i, double length, const Vec3f& push) {
@@ -165,12 +147,21 @@ class Relaxation {
     if (has_borders_) along += mirrored(place, along, spacing);
     Vec3d step = length * spacing * along;
     step *= std::min(1.0, kMostStep * spacing / std::max(step.norm(), 1e-300));
-    // No farther from where it was at first. Where the surface bends, the walk may end farther from there than its aim.
-    const double most = kMostMove * spacing;
+    go(i, step, kMostPushed * spacing);
+  }
+
+  /// Walks on, but no farther than `most` from where the point was at first. Where the surface bends, a walk may end farther from
+  /// there than its aim: then a part of it has to do.
+  void go(std::size_t i, Vec3d step, double most) {
+    WalkPlace& place = places_[i];
     const Vec3d away = place.position + step - first_[i];
     if (const double distance = away.norm(); distance > most) step += (most / distance - 1) * away;
-    const SurfaceWalk::End end = surface_.straight(place, step);
-    if (!end.is_on_border && (end.place.position - first_[i]).norm() <= most) place = end.place;
+    for (int attempt = 0; attempt < kAttempts; ++attempt, step /= 2) {
+      const SurfaceWalk::End end = surface_.straight(place, step);
+      if (end.is_on_border || (end.place.position - first_[i]).norm() > most) continue;
+      place = end.place;
+      return;
+    }
   }
 
   /// What a point's picture beyond the border does to it, where it is pushed towards one.
@@ -189,7 +180,7 @@ class Relaxation {
   const bool has_borders_;
   const ExecutionContext& context_;
   const Vec3d origin_;
-  Repulsion repulsion_;
+  PointBlocks points_;
   std::vector<WalkPlace> places_;
   std::vector<Vec3d> first_;   // where they were
   std::vector<Vec3d> normal_;  // of their faces, when set_all() was called
@@ -198,7 +189,7 @@ class Relaxation {
 
 /// Writes where points are, and what is there.
 void write(const Relaxation& moved, const SurfaceData& data, PointSet& points, const ExecutionContext& context) {
-  for_blocks(context, points.size(), kGrain * Repulsion::kBlock, [&](std::size_t begin, std::size_t end) {
+  for_blocks(context, points.size(), kGrain * PointBlocks::kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const WalkPlace& place = moved.place(i);
       const std::array<float, 2> weights{static_cast<float>(place.weight_1), static_cast<float>(place.weight_2)};
@@ -232,7 +223,7 @@ absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, con
     context.progress(kStage, static_cast<double>(round) / rounds);
     if (absl::Status status = relaxation.move_all(step_of(round, rounds)); !status.ok()) return status;
   }
-  if (absl::Status status = relaxation.keep_apart(); !status.ok()) return status;
+  if (absl::Status status = relaxation.part(); !status.ok()) return status;
   write(relaxation, base.data, points, context);
   return context.check();
 }

@@ -36,7 +36,7 @@ void add_sampling_flags(CLI::App* command, SamplingFlags* flags) {
   command
       ->add_option("--relax", flags->sample.relaxation_rounds,
                    "rounds, up to 100, in which points of the equalised sampler move along the surface, away from their "
-                   "neighbours, to blue noise; 10 are good")
+                   "neighbours, to blue noise: 3 will do, 10 leave fewer holes")
       ->check(CLI::Range(0, 100))
       ->type_name("ROUNDS");
   command

@@ -54,7 +54,7 @@ class View:
     sequence: str = "jittered"  #: or regular, van_der_corput (also: niederreiter), golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler; that of the progressive one is the session's
     #: 0 to 100, of the equalised sampler: in so many rounds points move along the surface, away from their neighbours, to blue
-    #: noise as even at large as before; 10 are good. Not in a stream
+    #: noise as even at large as before: 3 will do, 10 leave fewer holes. Not in a stream
     relaxation_rounds: int = 0
     #: of curvatures, directions, scalars (the mesh's named values), rank (progressive sampler only), surface (faces, barycentric)
     attributes: Sequence[str] = ()

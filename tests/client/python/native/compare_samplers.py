@@ -32,8 +32,12 @@ def ours(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
     return curvecast.Surface(vertices, faces, threads=1).sample(points, seed=seed).world_positions()
 
 
-def ours_relaxed(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
-    return curvecast.Surface(vertices, faces, threads=1).sample(points, seed=seed, relaxation_rounds=10).world_positions()
+def ours_relaxed(rounds: int) -> Sampler:
+    def sample(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
+        surface = curvecast.Surface(vertices, faces, threads=1)
+        return surface.sample(points, seed=seed, relaxation_rounds=rounds).world_positions()
+
+    return sample
 
 
 def ours_ranked(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
@@ -89,7 +93,8 @@ def fpsample_farthest(vertices: Floats, faces: Ints, points: int, seed: int) -> 
 
 SAMPLERS: dict[str, tuple[Sampler, float]] = {  # with the share of the meshes that are tried
     "curvecast, equalised": (ours, 1),
-    "curvecast, equalised, 10 rounds": (ours_relaxed, 1),
+    "curvecast, equalised, 3 rounds": (ours_relaxed(3), 1),
+    "curvecast, equalised, 10 rounds": (ours_relaxed(10), 0.1),
     "curvecast, progressive": (ours_ranked, 0.02),
     "open3d, uniform": (open3d_uniform, 1),
     "open3d, Poisson disk": (open3d_poisson, 0.1),
