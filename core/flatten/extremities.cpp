@@ -21,7 +21,7 @@ constexpr std::size_t kSmallest = 64;
 // A trial shows which cut is better long before its map is as good as can be.
 constexpr MinimiseStretchOptions kTrial{.good_enough = 0.02, .most_sweeps = 25};
 // The search costs no more than the map of a small piece does: its coarse mesh has this part of its vertices.
-constexpr std::size_t kProxyShare = 24;
+constexpr std::size_t kProxyShare = 48;
 constexpr std::size_t kSmallestProxy = 64;
 
 /// The map of a mesh with some cuts.

@@ -31,7 +31,7 @@ namespace curvecast {
 
 /// Grows whenever preprocessing or sampling gives other bytes than before for the same files and options: sessions of other
 /// versions are others. tests/core/pipeline/golden_test.cpp guards it.
-inline constexpr int kAlgorithmVersion = 13;
+inline constexpr int kAlgorithmVersion = 14;
 
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints

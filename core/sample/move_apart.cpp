@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -79,7 +80,8 @@ class Relaxation {
     return context_.check_limit();
   }
 
-  /// Parts points that are too near to others all the same. Only those are looked at again that were so, and what they came near.
+  /// Parts points that are too near to others all the same, in sweeps. Only those are looked at again that were so, and what they
+  /// came near.
   absl::Status part() {
     set_all();
     const float apart_behind = has_sheets() ? kApartInSheets : kApart;
@@ -116,13 +118,13 @@ class Relaxation {
   }
 
   /// Whether the surface is thinner than the spacing over much of it.
-  bool has_sheets() const {
-    PointBlocks::Scratch scratch;
-    std::size_t behind = 0, all = 0;
-    for (std::size_t b = 0; b < points_.block_count(); b += kLookAt) {
+  bool has_sheets() {
+    std::atomic<std::size_t> behind = 0, all = 0;
+    for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
+      if (b % kLookAt != 0) return;
       behind += count_too_near_behind(points_, b, scratch);
       all += points_.size_of(b);
-    }
+    });
     return static_cast<double>(behind) > kMostBehind * static_cast<double>(all);
   }
 

@@ -18,7 +18,7 @@ constexpr float kReach = kRoom * kApart;
 
 /// What the points of a block do to one.
 struct Steps {
-  float x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
+  PointBlocks::Sum sum;
   float is_near[kBlock];  // above 0 where it is too near; of the last block alone
 };
 
@@ -35,18 +35,12 @@ CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlo
     const float along = std::sqrt(ax * ax + ay * ay + az * az + kTiny);
     const float far = std::sqrt(fast_max(wanted * wanted - height * height, 0.0F));
     const float step = kRate * fast_max(far - along, 0.0F) / along;
-    steps.x[k] += step * ax;
-    steps.y[k] += step * ay;
-    steps.z[k] += step * az;
+    steps.sum.x[k] += step * ax;
+    steps.sum.y[k] += step * ay;
+    steps.sum.z[k] += step * az;
     const float square = dx * dx + dy * dy + dz * dz;
     steps.is_near[k] = square > 0 ? least * least - square : 0;  // not the point itself
   }
-}
-
-float sum_of(const float* lanes) {
-  float sum = 0;
-  for (std::size_t k = 0; k < kBlock; ++k) sum += lanes[k];
-  return sum;
 }
 
 /// Around those of some points that are awake; without a spacing where none is.
@@ -92,7 +86,7 @@ Overlap find_overlap(const PointBlocks& points, std::size_t block, float apart_b
     }
     if (!overlap.is_found[k]) continue;
     wake(wakes, begin + k);
-    overlap.steps[k] = {sum_of(steps.x), sum_of(steps.y), sum_of(steps.z)};
+    overlap.steps[k] = steps.sum.total();
   }
   return overlap;
 }

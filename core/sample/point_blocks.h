@@ -26,6 +26,16 @@ class PointBlocks {
   struct Columns {
     const float *x, *y, *z, *nx, *ny, *nz, *spacing;
   };
+  /// Adds up vectors that the points of a block give, each in its place.
+  struct Sum {
+    float x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
+
+    Vec3f total() const {
+      Vec3f sum = Vec3f::Zero();
+      for (std::size_t k = 0; k < kBlock; ++k) sum += Vec3f(x[k], y[k], z[k]);
+      return sum;
+    }
+  };
   /// What list_near() has found, and memory that it uses again.
   struct Scratch {
     std::vector<std::uint32_t> near;              // blocks

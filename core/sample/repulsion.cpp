@@ -9,12 +9,8 @@ namespace {
 
 constexpr float kTiny = 1e-30F;
 
-/// Sums what the points of a block do to one.
-struct Push {
-  float x[PointBlocks::kBlock] = {}, y[PointBlocks::kBlock] = {}, z[PointBlocks::kBlock] = {};
-};
-
-CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlocks::Point& p, Push& push) {
+/// Adds what the points of a block do to one.
+CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlocks::Point& p, PointBlocks::Sum& push) {
   for (std::size_t k = 0; k < PointBlocks::kBlock; ++k) {
     const float dx = p.x - others.x[k], dy = p.y - others.y[k], dz = p.z - others.z[k];
     const float d = std::sqrt(dx * dx + dy * dy + dz * dz + kTiny);
@@ -28,12 +24,6 @@ CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlo
   }
 }
 
-float sum_of(const float* lanes) {
-  float sum = 0;
-  for (std::size_t k = 0; k < PointBlocks::kBlock; ++k) sum += lanes[k];
-  return sum;
-}
-
 }  // namespace
 
 std::array<Vec3f, PointBlocks::kBlock> repulsion(const PointBlocks& points, std::size_t block, PointBlocks::Scratch& scratch) {
@@ -42,12 +32,12 @@ std::array<Vec3f, PointBlocks::kBlock> repulsion(const PointBlocks& points, std:
   pushes.fill(Vec3f::Zero());
   for (std::size_t k = 0; k < points.size_of(block); ++k) {
     const PointBlocks::Point p = points.point(block * PointBlocks::kBlock + k);
-    Push push;
+    PointBlocks::Sum push;
     PointBlocks::mark_near(p, kRepulsionReach, scratch);
     for (std::size_t n = 0; n < scratch.near.size(); ++n) {
       if (scratch.is_near[n] != 0) add_block(points.columns(scratch.near[n]), p, push);
     }
-    pushes[k] = {sum_of(push.x), sum_of(push.y), sum_of(push.z)};
+    pushes[k] = push.total();
   }
   return pushes;
 }
