@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/base/for_all.h"
@@ -40,7 +41,7 @@ constexpr double kMostStep = 0.3;  // spacings
 // A point beside a border is pushed away from it as by its own picture in a mirror; so hard, that as many points are beside the
 // border as elsewhere. Without it a row of them would stand on the border itself.
 constexpr double kMirror = 1.3;
-constexpr std::uint64_t kBytesPerPoint = 176;
+constexpr std::uint64_t kBytesPerPoint = 176, kBytesPerBorder = 40;
 
 /// The length of steps in a round, of the push.
 double step_of(int round, int rounds) {
@@ -48,11 +49,43 @@ double step_of(int round, int rounds) {
   return kStep * std::min(1.0, kDamping * left);
 }
 
+/// Finds what is far from a surface's borders, by the middles of their edges.
+class Borders {
+ public:
+  /// Positions are relative to `origin` from then on.
+  Borders(const TriangleMesh& mesh, const Vec3d& origin) : middles_(count(mesh)) {
+    std::size_t i = 0;
+    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
+      if (mesh.twins[h] != kNone) continue;
+      const Vec3d &from = mesh.positions[mesh.from(h)], &to = mesh.positions[mesh.to(h)];
+      middles_.set(i++, (0.5 * (from + to) - origin).cast<float>(), Vec3f::Zero(), std::numeric_limits<float>::max());
+      half_ = std::max(half_, static_cast<float>(0.5 * (to - from).norm()));
+    }
+    middles_.fill_boxes();
+  }
+
+  /// Whether a border may be within the box's spacing from what is in the box.
+  bool may_be_near(PointBlocks::Box box, PointBlocks::Scratch& scratch) const {
+    constexpr float kRounding = 1.001F;
+    box.spacing += half_;
+    middles_.list_near(box, kRounding, scratch);
+    return !scratch.near.empty();
+  }
+
+ private:
+  static std::size_t count(const TriangleMesh& mesh) {
+    return static_cast<std::size_t>(std::count(mesh.twins.begin(), mesh.twins.end(), kNone));
+  }
+
+  PointBlocks middles_;
+  float half_ = 0;  // of the longest edge
+};
+
 class Relaxation {
  public:
-  Relaxation(const SurfaceWalk& surface, bool has_borders, const PointSet& points, const ExecutionContext& context)
-      : surface_(surface),
-        has_borders_(has_borders),
+  Relaxation(const TriangleMesh& mesh, const PointSet& points, const ExecutionContext& context)
+      : surface_(mesh),
+        borders_(mesh, points.origin),
         context_(context),
         origin_(points.origin),
         points_(points.size()),
@@ -63,7 +96,7 @@ class Relaxation {
     for_blocks(context, points.size(), kGrain * PointBlocks::kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FacePlace& place = points.places[i];
-        places_[i] = surface.place(place.face, static_cast<double>(place.weight_1), static_cast<double>(place.weight_2));
+        places_[i] = surface_.place(place.face, static_cast<double>(place.weight_1), static_cast<double>(place.weight_2));
         first_[i] = places_[i].position;
         spacing_[i] = static_cast<float>(packed_distance(SplatRadius::area_of_point(points.radii[i]), 1));
       }
@@ -75,7 +108,8 @@ class Relaxation {
     set_all();
     for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
       const std::array<Vec3f, PointBlocks::kBlock> pushes = repulsion(points_, b, scratch);
-      for (std::size_t k = 0; k < points_.size_of(b); ++k) move(b * PointBlocks::kBlock + k, step, pushes[k]);
+      const bool has_borders = borders_.may_be_near(points_.box(b), scratch);
+      for (std::size_t k = 0; k < points_.size_of(b); ++k) move(b * PointBlocks::kBlock + k, step, pushes[k], has_borders);
     });
     return context_.check_limit();
   }
@@ -140,13 +174,13 @@ class Relaxation {
     });
   }
 
-  void move(std::size_t i, double length, const Vec3f& push) {
+  void move(std::size_t i, double length, const Vec3f& push, bool has_borders) {
     WalkPlace& place = places_[i];
     const auto spacing = static_cast<double>(spacing_[i]);
     const Vec3d& normal = normal_[i];
     Vec3d along = push.cast<double>();
     along -= along.dot(normal) * normal;
-    if (has_borders_) along += mirrored(place, along, spacing);
+    if (has_borders) along += mirrored(place, along, spacing);
     Vec3d step = length * spacing * along;
     step *= std::min(1.0, kMostStep * spacing / std::max(step.norm(), 1e-300));
     go(i, step, kMostPushed * spacing);
@@ -178,8 +212,8 @@ class Relaxation {
     return kMirror * near * near / distance * back;
   }
 
-  const SurfaceWalk& surface_;
-  const bool has_borders_;
+  const SurfaceWalk surface_;
+  const Borders borders_;
   const ExecutionContext& context_;
   const Vec3d origin_;
   PointBlocks points_;
@@ -212,15 +246,15 @@ absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, con
   if (rounds == 0 || points.size() < 2) return absl::OkStatus();
   MemoryClaim claim(context);
   const MeshView& mesh = base.data.mesh;
-  const std::uint64_t bytes = 32 * mesh.positions.size() + 32 * mesh.triangles.size() + kBytesPerPoint * points.size();
+  const std::uint64_t bytes = 32 * mesh.positions.size() + 32 * mesh.triangles.size() +
+                              kBytesPerBorder * base.data.borders.size() + kBytesPerPoint * points.size();
   const std::string what = absl::StrFormat("moving %d points apart on %d triangles takes %s of memory", points.size(),
                                            mesh.triangles.size(), describe_bytes(static_cast<double>(bytes)));
   if (absl::Status status = claim.set(bytes, what); !status.ok()) return status;
   if (!base.is_all_sound()) return base.status();
   const absl::StatusOr<TriangleMesh> joined = surface_mesh(mesh, base.data.borders, context);
   if (!joined.ok()) return joined.status();
-  const SurfaceWalk surface(*joined);
-  Relaxation relaxation(surface, !base.data.borders.empty(), points, context);
+  Relaxation relaxation(*joined, points, context);
   for (int round = 0; round < rounds; ++round) {
     context.progress(kStage, static_cast<double>(round) / rounds);
     if (absl::Status status = relaxation.move_all(step_of(round, rounds)); !status.ok()) return status;

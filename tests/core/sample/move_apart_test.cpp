@@ -151,6 +151,19 @@ TEST(MoveApart, LeavesBordersAsDenseAsTheRest) {
   EXPECT_NEAR(static_cast<double>(beside) / 8'192, share, 0.12 * share);
 }
 
+TEST(MoveApart, KnowsBordersOfLargeFaces) {
+  // Borders whose edges are as long as the whole square: their middles are far from most points beside them.
+  const Sampled before = sample(square(1), 4'096);
+  PointSet after = before.points;
+  ASSERT_TRUE(move_apart(*before.base, 10, after).ok());
+  const double spacing = spacing_of(after, 0);
+  const auto beside = std::count_if(after.positions.begin(), after.positions.end(), [&](const Vec3f& p) {
+    return static_cast<double>(std::min({p.x(), p.y(), 1 - p.x(), 1 - p.y()})) < 0.5 * spacing;
+  });
+  const double share = 2 * spacing * (1 - 0.5 * spacing);
+  EXPECT_NEAR(static_cast<double>(beside) / 4'096, share, 0.25 * share);
+}
+
 TEST(MoveApart, SidesOfASheetAreAlone) {
   // Two squares that face away from each other, much nearer than their points are.
   PolygonSoup lower = square(8);
