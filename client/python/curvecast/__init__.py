@@ -13,7 +13,7 @@ Lengths are in the units of the mesh file, coordinates in its frame, times in se
 network refuses is a curvecast.Error with a gRPC status code. A client may be used from several threads at once.
 """
 
-from curvecast import density
+from curvecast import density, notebook
 from curvecast.client import Client, connect
 from curvecast.curve import Curve, CurveDisc
 from curvecast.errors import Error
@@ -59,6 +59,7 @@ __all__ = [
     "connect",
     "density",
     "nested",
+    "notebook",
     "read",
     "training_set",
 ]

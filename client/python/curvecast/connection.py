@@ -12,6 +12,7 @@ from typing import Any, BinaryIO, TypeVar
 import grpc
 
 from curvecast.errors import Error, bad_answer, translate_errors
+from curvecast.notebook import viewer_address
 from curvecast.protocol import MAX_CHUNK_BYTES, MAX_FRAME_BYTES
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
@@ -44,7 +45,9 @@ class Connection:
         short_timeout: float,
         long_timeout: float,
         attempts: int,
+        viewer: str = "",
     ) -> None:
+        self.viewer = viewer_address(viewer)
         if attempts < 1:
             raise ValueError(f"attempts is {attempts}; there has to be one")
         self.short_timeout, self.long_timeout, self._attempts = short_timeout, long_timeout, attempts
@@ -54,6 +57,10 @@ class Connection:
             self._channel = grpc.secure_channel(address, credentials, CHANNEL_OPTIONS)
         self._token = token
         self.stub = v1_grpc.CurvecastServiceStub(self._channel)
+
+    @property
+    def has_token(self) -> bool:
+        return self._token != ""
 
     def close(self) -> None:
         self._channel.close()

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.message import Message
 
+from curvecast import notebook
 from curvecast.columns import Columns, read_column
 from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
@@ -71,6 +72,9 @@ class Points:
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    def _repr_html_(self) -> str:
+        return notebook.points_html(self)
 
     @property
     def limit(self) -> str | None:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from curvecast import notebook
 from curvecast.connection import Connection, OnProgress, told
 from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
@@ -22,6 +23,7 @@ from curvecast.view_stream import HeldFrame, ViewStream
 
 POLL_SECONDS = 0.02  # between questions whether a curve is finer now
 MAX_REFINEMENTS = 4  # a density may find the finer curve too coarse again
+PREVIEW_TIMEOUT = 10  # seconds, of a call that nobody has asked for
 
 
 class Session:
@@ -38,6 +40,9 @@ class Session:
 
     def __repr__(self) -> str:
         return f"<curvecast.Session {self.id}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.session_html(self.info, self._preview, self._connection.viewer, self._connection.has_token)
 
     def refresh(self) -> v1.Session:
         """Has the server describe the session anew, and returns `info`."""
@@ -148,7 +153,11 @@ class Session:
         """Has the server forget the session, in memory and in its cache, for all clients."""
         self._connection.call_once("CloseSession", v1.CloseSessionRequest(session_id=self.id), self._connection.short_timeout)
 
-    def _sample_once(self, request: v1.ResampleRequest) -> Points:
+    def _preview(self, points: int) -> Points:
+        request = v1.ResampleRequest(session_id=self.id, sample=View(points).to_proto())
+        return self._sample_once(request, PREVIEW_TIMEOUT)
+
+    def _sample_once(self, request: v1.ResampleRequest, timeout: float | None = None) -> Points:
         sample = request.sample
         most = sample.points if sample.WhichOneof("budget") == "points" else MAX_POINTS
         statistics = v1.FrameStatistics()
@@ -167,7 +176,7 @@ class Session:
                 raise bad_answer("the server sent no points")
 
         points = self._connection.read_stream(
-            "Resample", request, self._connection.long_timeout, lambda messages: decode_blocks(blocks(messages))
+            "Resample", request, timeout or self._connection.long_timeout, lambda messages: decode_blocks(blocks(messages))
         )
         may_be_fewer = sample.sampler == v1.SAMPLER_PROGRESSIVE or any(getattr(t.distance, "global") for t in sample.density)
         if sample.WhichOneof("budget") == "points" and len(points) < most and not may_be_fewer:

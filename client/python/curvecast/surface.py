@@ -14,16 +14,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from curvecast import notebook
 from curvecast.connection import OnProgress
 from curvecast.errors import error_of
 from curvecast.frame import Frame, decode_frame
 from curvecast.mesh import REFERENCE_ROUNDS, find_companion, may_have_companions
 from curvecast.points import Points, as_points, decode_blocks, points_of
+from curvecast.protocol import MAX_POINTS
 from curvecast.session_options import session_options
 from curvecast.triangle_mesh import TriangleMesh, decode_mesh, remesh_request
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera, View, as_view
 
+MOST_THREADS = 1024  # far more than there are cores
 #: Whether this copy can sample meshes without a server.
 HAS_LOCAL = importlib.util.find_spec("curvecast._native") is not None
 if HAS_LOCAL:  # a module that is there and does not load is an error
@@ -56,21 +59,23 @@ class Surface:
         vertices: (V, 3) numbers. faces: (F, 3) integers. They are copied; what points say of faces is true of these, also where
         repair turned or dropped some. colours: (V, 3), 0 to 255. scalars: (V,) numbers under names, for density.attribute() and the
         attribute scalars. name: of messages. points: N for which the curve is made fine enough; 0 = 4,096, 16,384, 65,536 or as
-        many as a sample asks for. omega, density, chart_faces, crease_degrees: as of Client.open(). threads: 0 = one a core.
-        on_progress(stage, fraction) is called on this thread; an exception from it, and Ctrl-C, end the work. TypeError,
-        ValueError: arrays of another shape or kind. Error INVALID_ARGUMENT: no mesh; says which vertex or face is at fault.
-        ImportError: this copy has no _native."""
+        many as a sample asks for. omega, density, chart_faces, crease_degrees: as of Client.open(). threads: up to 1,024; 0 = one a
+        core. on_progress(stage, fraction) is called on this thread; an exception from it, and Ctrl-C, end the work. TypeError,
+        ValueError: arrays of another shape or kind, names that are no text. Error INVALID_ARGUMENT: no mesh; says which vertex or
+        face is at fault. ImportError: this copy has no _native."""
         _check_native()
         places = _array(vertices, "vertices", np.float64, np.number, (None, 3))
         triangles = _array(faces, "faces", np.int64, np.integer, (None, 3))
         paint = None if colours is None else _array(colours, "colours", np.uint8, np.uint8, (None, 3))
         numbers = {
-            key: _array(value, f"scalars[{key!r}]", np.float32, np.number, (None,)) for key, value in (scalars or {}).items()
+            _text(key, "a name in scalars"): _array(value, f"scalars[{key!r}]", np.float32, np.number, (None,))
+            for key, value in (scalars or {}).items()
         }
+        _check_range("threads", threads, MOST_THREADS)
         options = session_options(points, omega, density, "own", "exact", "exact", 0, chart_faces, crease_degrees)
         with _translate_errors():
             self._native = _native.Surface.make(
-                places, triangles, paint, numbers, name, options.SerializeToString(), threads, on_progress
+                places, triangles, paint, numbers, _text(name, "name"), options.SerializeToString(), threads, on_progress
             )
         self._set_up(threads)
 
@@ -82,6 +87,9 @@ class Surface:
 
     def __repr__(self) -> str:
         return f"<curvecast.Surface {self.info.name}, {self.info.faces} faces>"
+
+    def _repr_html_(self) -> str:
+        return notebook.surface_html(self.info, self.sample)
 
     def sample(self, view: View | int | None = None, **options: Any) -> Points:
         """Samples one point set: sample(view), or the fields of a View as arguments: sample(50_000, density=[...], seed=1). Where
@@ -142,7 +150,9 @@ class Surface:
 
     def features(self, points: int, degrees: float = 30, seed: int = 0) -> FeaturePoints:
         """Places points evenly on the sharp edges: those at which faces turn by more than `degrees`. None where there are no such
-        edges."""
+        edges. ValueError: more than 4,000,000 points, or an angle that is not from 0 to 180."""
+        _check_range("points", points, MAX_POINTS)
+        _check_range("degrees", degrees, 180)
         with _translate_errors():
             found = self._native.features(degrees, points, seed, self._threads)
         sides = found["normals"].reshape(-1, 2, 3)
@@ -225,14 +235,16 @@ def read(
     """Reads a mesh file, and the files in its folder that it refers to; arguments as of Surface and of Client.open(). Files that
     are missing are left out: see .info.warnings. OSError: the mesh cannot be read. Error INVALID_ARGUMENT: it is none."""
     _check_native()
+    _check_range("threads", threads, MOST_THREADS)
     path = pathlib.Path(path)
+    file = os.fsencode(path.name).decode("utf-8", "replace")  # a name need not be UTF-8, the messages are
     data = path.read_bytes()
     companions: dict[str, bytes] = {}
     refused: dict[str, str] = {}
     for _ in range(REFERENCE_ROUNDS if may_have_companions(path) else 0):
         before = len(companions)
         with _translate_errors():
-            names = _native.references(path.name, data, companions)
+            names = _native.references(file, data, companions)
         for name in names:
             try:
                 if (companion := find_companion(path, name)) is not None:
@@ -244,7 +256,7 @@ def read(
     options = session_options(points, omega, density, parameteriser, mapper, area, 0, chart_faces, crease_degrees)
     surface = Surface.__new__(Surface)
     with _translate_errors():
-        surface._native = _native.Surface.read(path.name, data, companions, options.SerializeToString(), threads, on_progress)
+        surface._native = _native.Surface.read(file, data, companions, options.SerializeToString(), threads, on_progress)
     surface._set_up(threads)
     surface.info.warnings.extend(refused.values())
     return surface
@@ -253,6 +265,20 @@ def read(
 def _check_native() -> None:
     if not HAS_LOCAL:
         raise ImportError("this copy of curvecast knows servers only: surfaces in this process take the wheel of deploy/wheel")
+
+
+def _check_range(name: str, value: float, most: float) -> None:
+    """ValueError: the value is not from 0 to `most`."""
+    if not 0 <= value <= most:
+        raise ValueError(f"{name} is {value}; it has to be from 0 to {most}")
+
+
+def _text(value: str, name: str) -> str:
+    """Checks what is to be text. TypeError: something else; ValueError: text that UTF-8 does not have."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {value!r}, which is no text")
+    value.encode()
+    return value
 
 
 def _array(values: npt.ArrayLike, name: str, kind: type, accepted: type, shape: tuple[int | None, ...]) -> npt.NDArray[Any]:

@@ -5,6 +5,7 @@
 
 #include "core/base/memory_claim.h"
 #include "core/measure/measure_points.h"
+#include "core/sample/resample.h"
 #include "server/convert/convert.h"
 #include "server/convert/convert_measure.h"
 #include "server/convert/mesh_chunks.h"
@@ -82,6 +83,8 @@ v1::MeshInfo LocalSurface::info() const { return server::to_proto(flattened_->re
 
 absl::StatusOr<std::shared_ptr<const server::Session>> LocalSurface::session(const server::PointSetRequest& request,
                                                                              const ExecutionContext& context) {
+  // Refused before a curve is made for so many.
+  if (request.options.points > kMaxPoints) return check_sample(request.options.points, request.options.density);
   PreprocessOptions options = options_;
   if (!is_sized_) options.points = curve_points(request.options.points);
   options.seed = request.sampler == server::Sampler::kProgressive ? request.options.seed : 0;

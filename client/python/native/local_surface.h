@@ -68,7 +68,7 @@ class LocalSurface {
 
  private:
   /// The session that a request is for: with a curve for as many points and, for ranked ones, with its seed. Made when it is
-  /// first asked for.
+  /// first asked for. OutOfRange: more points than are made.
   absl::StatusOr<std::shared_ptr<const server::Session>> session(const server::PointSetRequest& request,
                                                                  const ExecutionContext& context);
   absl::Status refine(const server::Session& session, const SurfaceCurve& coarse, std::uint64_t points, const Density& density,

@@ -5,6 +5,7 @@ import { after } from "node:test";
 import { endPackageSite } from "./support/package_site.mjs";
 
 import "./element_suite.mjs";
+import "./notebook_suite.mjs";
 import "./package_suite.mjs";
 
 after(endPackageSite);

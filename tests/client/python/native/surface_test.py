@@ -245,7 +245,8 @@ class SurfaceTest(unittest.TestCase):
 
     def test_control_c_ends_the_work(self) -> None:
         program = (
-            "import sys; from shapes import torus; import curvecast\n"
+            "import signal; from shapes import torus; import curvecast\n"
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # which jobs in the background ignore
             "print('ready', flush=True)\n"
             "try: curvecast.Surface(*torus(3000, 1000), threads=1)\n"
             "except KeyboardInterrupt: print('stopped', flush=True)\n"
@@ -258,6 +259,14 @@ class SurfaceTest(unittest.TestCase):
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.stdout.readline(), "stopped\n")
             self.assertEqual(process.wait(60), 0)
+
+    def test_notebooks_show_it(self) -> None:
+        surface = curvecast.Surface(*torus(), name="<i>torus</i>")
+        shown = surface._repr_html_()
+        self.assertIn(curvecast.notebook.picture_html(self.surface.sample(curvecast.notebook.SAMPLE_POINTS)), shown)
+        self.assertIn("<caption>&lt;i&gt;torus&lt;/i&gt;</caption>", shown)
+        self.assertLess(len(shown), 110_000)
+        same(surface.sample(3000), self.surface.sample(3000))
 
     def test_files_and_what_they_refer_to(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
