@@ -24,10 +24,12 @@
 namespace curvecast::client {
 namespace {
 
-constexpr std::size_t kHashBlock = 1 << 20;     // bytes read at a time
-constexpr std::size_t kIdDigits = 32;           // of a mesh_id
-constexpr int kReferenceRounds = 8;             // a mesh names material libraries, these name textures: two, as a rule
-constexpr std::size_t kMostSessions = 100'000;  // that a server may list
+constexpr std::size_t kHashBlock = 1 << 20;      // bytes read at a time
+constexpr std::size_t kIdDigits = 32;            // of a mesh_id
+constexpr int kReferenceRounds = 8;              // a mesh names material libraries, these name textures: two, as a rule
+constexpr std::size_t kMostSessions = 100'000;   // that a server may list
+constexpr std::size_t kMostMeshes = 10'000'000;  // the same
+constexpr std::uint32_t kMeshesOnPage = 1000;
 
 using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
 
@@ -47,6 +49,24 @@ void add_refused(const UploadedMesh& mesh, v1::MeshInfo* info) {
 OnProgress forward(const StageProgress& on_progress) {
   if (!on_progress) return {};
   return [&](const v1::Progress& progress) { on_progress(progress.stage(), progress.fraction()); };
+}
+
+/// Joins the pages of a list of at most `most` items, which are `what`: `call` is given a request for a page, `items` a page.
+template <class Item, class Request, class Call, class Items>
+absl::StatusOr<std::vector<Item>> read_pages(Request request, std::size_t most, const char* what, const Call& call,
+                                             const Items& items) {
+  std::vector<Item> list;
+  do {
+    const auto page = call(request);
+    if (!page.ok()) return page.status();
+    list.insert(list.end(), items(*page).begin(), items(*page).end());
+    const bool is_new = page->next_page_token() != request.page_token() && list.size() < most;
+    if (!page->next_page_token().empty() && !is_new) {
+      return absl::DataLossError(absl::StrCat("the server's pages of ", what, " do not end"));
+    }
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return list;
 }
 
 }  // namespace
@@ -178,6 +198,14 @@ absl::StatusOr<std::string> Client::upload_if_missing(const v1::UploadHeader& he
   return header.mesh_id();
 }
 
+absl::StatusOr<std::vector<v1::StoredMesh>> Client::list_meshes(std::stop_token stop) {
+  v1::ListMeshesRequest first;
+  first.set_page_size(kMeshesOnPage);
+  return read_pages<v1::StoredMesh>(
+      first, kMostMeshes, "meshes", [&](const v1::ListMeshesRequest& request) { return connection_->list_meshes(request, stop); },
+      [](const v1::ListMeshesResponse& page) -> const auto& { return page.meshes(); });
+}
+
 absl::StatusOr<v1::MeshInfo> Client::inspect(const UploadedMesh& mesh, std::stop_token stop) {
   v1::InspectMeshRequest request;
   request.set_mesh_id(mesh.mesh_id);
@@ -225,17 +253,10 @@ absl::StatusOr<v1::Session> Client::get_session(const std::string& session_id, s
 }
 
 absl::StatusOr<std::vector<v1::Session>> Client::list_sessions(std::stop_token stop) {
-  std::vector<v1::Session> sessions;
-  v1::ListSessionsRequest request;
-  do {
-    absl::StatusOr<v1::ListSessionsResponse> page = connection_->list_sessions(request, stop);
-    if (!page.ok()) return page.status();
-    sessions.insert(sessions.end(), page->sessions().begin(), page->sessions().end());
-    const bool is_new = page->next_page_token() != request.page_token() && sessions.size() < kMostSessions;
-    if (!page->next_page_token().empty() && !is_new) return absl::DataLossError("the server's pages of sessions do not end");
-    request.set_page_token(page->next_page_token());
-  } while (!request.page_token().empty());
-  return sessions;
+  return read_pages<v1::Session>(
+      v1::ListSessionsRequest(), kMostSessions, "sessions",
+      [&](const v1::ListSessionsRequest& request) { return connection_->list_sessions(request, stop); },
+      [](const v1::ListSessionsResponse& page) -> const auto& { return page.sessions(); });
 }
 
 absl::StatusOr<v1::Session> Client::update_session(const v1::UpdateSessionRequest& request, std::stop_token stop) {

@@ -85,6 +85,8 @@ class Client {
   /// rounds of references to references.
   absl::StatusOr<UploadedMesh> upload_with_companions(const std::string& path, const StageProgress& on_progress = {},
                                                       std::stop_token stop = {});
+  /// The files of this caller that the server holds, by mesh_id: see ListMeshes. All pages.
+  absl::StatusOr<std::vector<v1::StoredMesh>> list_meshes(std::stop_token stop = {});
   absl::StatusOr<v1::MeshInfo> inspect(const UploadedMesh& mesh, std::stop_token stop = {});
 
   /// The parameter mesh of sessions with these options, of which the parameteriser and the size of charts count. Checked: see

@@ -150,6 +150,10 @@ class GrpcConnection : public Connection {
     return unary<v1::GetMeshResponse>(&v1::CurvecastService::Stub::GetMesh, request, options_.short_timeout, stop);
   }
 
+  absl::StatusOr<v1::ListMeshesResponse> list_meshes(const v1::ListMeshesRequest& request, std::stop_token stop) override {
+    return unary<v1::ListMeshesResponse>(&v1::CurvecastService::Stub::ListMeshes, request, options_.short_timeout, stop);
+  }
+
   absl::StatusOr<v1::ListMeshReferencesResponse> list_mesh_references(const v1::ListMeshReferencesRequest& request,
                                                                       std::stop_token stop) override {
     return unary<v1::ListMeshReferencesResponse>(&v1::CurvecastService::Stub::ListMeshReferences, request, options_.long_timeout,

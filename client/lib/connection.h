@@ -67,6 +67,7 @@ class Connection {
   virtual absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read,
                                                              const OnBytes& on_bytes, std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::GetMeshResponse> get_mesh(const v1::GetMeshRequest& request, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::ListMeshesResponse> list_meshes(const v1::ListMeshesRequest& request, std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::ListMeshReferencesResponse> list_mesh_references(const v1::ListMeshReferencesRequest& request,
                                                                               std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) = 0;

@@ -49,6 +49,22 @@ std::invoke_result_t<Begin, const Caller&> check_caller(Engine& engine, const ch
   return new Refusal<std::remove_pointer_t<std::invoke_result_t<Begin, const Caller&>>>(to_grpc(caller.status()));
 }
 
+/// The page of a list that a request asks for. A token is the last id of the page before.
+struct Page {
+  std::string after;  // empty: from the first
+  std::size_t size = 0;
+};
+
+/// InvalidArgument where the token is none.
+template <class Request>
+absl::StatusOr<Page> read_page(const Request& request) {
+  const std::string& token = request.page_token();
+  if (!token.empty() && !is_content_id(token)) {
+    return absl::InvalidArgumentError(absl::StrCat("page_token \"", printable(token), "\" is none that this server has given"));
+  }
+  return Page{.after = token, .size = request.page_size() == 0 ? kPageSize : std::min(request.page_size(), kMostOnPage)};
+}
+
 /// As check_caller(), and answers on the spot: `work` is given the caller, and fills the response.
 template <class Work>
 grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext& context, Work&& work) {
@@ -87,14 +103,37 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
   return answer_later(engine_, "GetMesh", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
-    return [this, response, id = request->mesh_id(), owner = caller.owner](const ExecutionContext& job) {
-      const auto mesh = engine_.meshes.find(id, owner);
+    return [this, response, id = request->mesh_id(), maker = caller.maker()](const ExecutionContext& job) {
+      const auto mesh = engine_.meshes.find(id, maker.owner);
       if (!mesh.ok()) return mesh.status();
       // Who is told that it is here does not upload it.
       if (absl::Status opened = (*mesh)->open(job); !opened.ok()) return opened;
+      if (engine_.knows_callers()) engine_.meshes.note_user((*mesh)->key, maker.caller);
       response->set_mesh_id((*mesh)->id);
       response->set_name((*mesh)->name);
       response->set_size((*mesh)->size());
+      return absl::OkStatus();
+    };
+  });
+}
+
+grpc::ServerUnaryReactor* Service::ListMeshes(grpc::CallbackServerContext* context, const v1::ListMeshesRequest* request,
+                                              v1::ListMeshesResponse* response) {
+  return answer_later(engine_, "ListMeshes", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+    const absl::StatusOr<Page> page = read_page(*request);
+    if (!page.ok()) return page.status();
+    return [this, response, page = *page, maker = caller.maker()](const ExecutionContext& /*job*/) {
+      std::vector<MeshStore::Listed> meshes = engine_.meshes.list(maker, !engine_.knows_callers(), page.after, page.size + 1);
+      if (meshes.size() > page.size) {
+        meshes.pop_back();
+        response->set_next_page_token(meshes.back().id);
+      }
+      for (MeshStore::Listed& listed : meshes) {
+        v1::StoredMesh& mesh = *response->add_meshes();
+        mesh.set_mesh_id(std::move(listed.id));
+        mesh.set_name(std::move(listed.name));
+        mesh.set_size(listed.size);
+      }
       return absl::OkStatus();
     };
   });
@@ -168,14 +207,10 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                                 v1::ListSessionsResponse* response) {
   return answer(engine_, "ListSessions", *context, [&](const Caller& caller) {
-    // A token is the last session_id of the page before.
-    const std::string& token = request->page_token();
-    if (!token.empty() && !is_content_id(token)) {
-      return absl::InvalidArgumentError(absl::StrCat("page_token \"", printable(token), "\" is none that this server has given"));
-    }
-    const std::size_t size = request->page_size() == 0 ? kPageSize : std::min(request->page_size(), kMostOnPage);
-    std::vector<SessionInfo> sessions = engine_.sessions.list(token, size + 1, caller.owner);
-    if (sessions.size() > size) {
+    const absl::StatusOr<Page> page = read_page(*request);
+    if (!page.ok()) return page.status();
+    std::vector<SessionInfo> sessions = engine_.sessions.list(page->after, page->size + 1, caller.owner);
+    if (sessions.size() > page->size) {
       sessions.pop_back();
       response->set_next_page_token(sessions.back().id);
     }

@@ -15,6 +15,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                                              v1::UploadMeshResponse* response) override;
   grpc::ServerUnaryReactor* GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                     v1::GetMeshResponse* response) override;
+  grpc::ServerUnaryReactor* ListMeshes(grpc::CallbackServerContext* context, const v1::ListMeshesRequest* request,
+                                       v1::ListMeshesResponse* response) override;
   grpc::ServerUnaryReactor* GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
                                       v1::GetUploadResponse* response) override;
   grpc::ServerUnaryReactor* ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,

@@ -78,8 +78,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
       case v1::UploadMeshRequest::kHeader:
         if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");
         begun_ = true;
-        return upload_.begin(request_.header().name(), request_.header().size(), request_.header().mesh_id(),
-                             request_.header().offset());
+        return begin(request_.header());
       case v1::UploadMeshRequest::kChunk:
         if (!begun_) return absl::InvalidArgumentError("a chunk came before the header; send the header first");
         if (request_.chunk().size() > kMaxChunkBytes) {
@@ -91,6 +90,15 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
         break;
     }
     return absl::InvalidArgumentError("the message holds neither header nor chunk");
+  }
+
+  absl::Status begin(const v1::UploadHeader& header) {
+    if (!header.size_is_unknown()) return upload_.begin(header.name(), header.size(), header.mesh_id(), header.offset());
+    if (header.size() > 0 || header.offset() > 0) {
+      return absl::InvalidArgumentError(absl::StrCat("header.size_is_unknown is set, but header.size is ", header.size(),
+                                                     " and header.offset ", header.offset(), "; leave these out"));
+    }
+    return upload_.begin_unsized(header.name(), header.mesh_id());
   }
 
   absl::Status complete() {

@@ -18,14 +18,16 @@ constexpr std::size_t kMaxId = 32;
 constexpr std::uint64_t kMostBesides = 1 << 20;  // bytes of name and sender, in a file in the store
 constexpr std::size_t kFirstCapacity = std::size_t{1} << 20;
 constexpr std::ptrdiff_t kMostParked = 16, kMostParkedOfOne = 4;
+constexpr std::size_t kMostUsers = 64;       // of a file that are noted, besides its sender
 constexpr std::uint64_t kUnderWayShare = 2;  // of the store, which a caller's uploads may take: nothing of them can be pushed out
 
 }  // namespace
 
 MeshStore::MeshStore(const MeshLimits& limits, std::string folder, std::unique_ptr<MeshFolder> kept)
     : limits_(limits), folder_(std::move(folder)), kept_(std::move(kept)) {
+  if (kept_ == nullptr) return;
   const MutexLock lock(mutex_);
-  look_into_folder();
+  take_up(kept_->list());
 }
 
 std::string MeshStore::realm_of(const std::string& owner) const {
@@ -124,13 +126,13 @@ void MeshStore::adopt(std::shared_ptr<const Mesh> mesh) {
 MeshStore::Recency::iterator MeshStore::drop(Recency::iterator mesh) {
   subtract((*mesh)->sender, (*mesh)->size() + kCharge, 0);
   by_key_.erase((*mesh)->key);
+  users_.erase((*mesh)->key);
   return recency_.erase(mesh);
 }
 
-void MeshStore::look_into_folder() {
-  if (kept_ == nullptr) return;
+void MeshStore::take_up(const std::vector<MeshFolder::Stored>& files) {
   Recency stored;  // the most recently used first, as in the folder
-  for (const MeshFolder::Stored& file : kept_->list()) {
+  for (const MeshFolder::Stored& file : files) {
     if (!by_key_.contains(file.key)) {
       absl::StatusOr<std::shared_ptr<const Mesh>> mesh = kept_->find(file.key);
       if (!mesh.ok()) continue;
@@ -138,9 +140,46 @@ void MeshStore::look_into_folder() {
     }
     stored.splice(stored.end(), recency_, by_key_.at(file.key));
   }
-  // What is left has no file any more.
-  for (auto it = recency_.begin(); it != recency_.end();) it = it->use_count() > 1 ? std::next(it) : drop(it);
+  // What is left has no file any more, or has had one since the folder was read.
+  for (auto it = recency_.begin(); it != recency_.end();) {
+    it = it->use_count() > 1 || kept_->holds((*it)->key) ? std::next(it) : drop(it);
+  }
   recency_.splice(recency_.end(), stored);
+}
+
+void MeshStore::note_user(const std::string& key, const std::string& caller) {
+  const MutexLock lock(mutex_);
+  if (by_key_.contains(key)) add_user(**by_key_.at(key), caller);
+}
+
+void MeshStore::add_user(const Mesh& mesh, const std::string& caller) {
+  if (limits_.isolate || is_of(mesh, caller)) return;
+  std::vector<std::string>& users = users_[mesh.key];
+  if (users.size() == kMostUsers) users.erase(users.begin());
+  users.push_back(caller);
+}
+
+bool MeshStore::is_of(const Mesh& mesh, const std::string& caller) const {
+  if (mesh.sender == caller || mesh.sender == kOperator) return true;
+  const auto users = users_.find(mesh.key);
+  return users != users_.end() && std::ranges::find(users->second, caller) != users->second.end();
+}
+
+std::vector<MeshStore::Listed> MeshStore::list(const Maker& who, bool of_all, const std::string& after, std::size_t most) {
+  // Others go on while the folder is read; later pages are of what the first one found.
+  const bool is_first = kept_ != nullptr && after.empty();
+  const auto files = is_first ? kept_->list() : std::vector<MeshFolder::Stored>();
+  const std::string realm = key_of("", who.owner);  // with its dash
+  std::vector<Listed> out;
+  const MutexLock lock(mutex_);
+  if (is_first) take_up(files);
+  for (auto it = by_key_.upper_bound(realm + after); it != by_key_.end() && out.size() < most; ++it) {
+    if (!it->first.starts_with(realm)) break;
+    const Mesh& mesh = **it->second;
+    const bool is_found = mesh.key.size() == realm.size() + mesh.id.size();  // in nobody's realm, where there is none
+    if (is_found && (of_all || limits_.isolate || is_of(mesh, who.caller))) out.push_back({mesh.id, mesh.name, mesh.size()});
+  }
+  return out;
 }
 
 void MeshStore::run_housekeeping() {
@@ -234,7 +273,7 @@ absl::Status MeshStore::reserve(const std::string& caller, std::uint64_t bytes) 
     status = absl::ResourceExhaustedError(absl::StrCat("your uploads that are under way have ", shares_[caller].under_way,
                                                        " bytes, as many as a client's may; let one of them end first"));
   }
-  if (used_ + bytes > limits_.bytes) look_into_folder();
+  if (used_ + bytes > limits_.bytes && kept_ != nullptr) take_up(kept_->list());
   while (status.ok() && used_ + bytes > limits_.bytes && !parked_.empty()) forget(std::prev(parked_.end()));
   while (status.ok() && used_ + bytes > limits_.bytes) {
     if (evict_for(caller, bytes)) continue;
@@ -260,40 +299,51 @@ std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, co
     adopt(std::move(mesh));
   } else {
     recency_.splice(recency_.begin(), recency_, found->second);
+    add_user(*recency_.front(), upload.maker.caller);
   }
   subtract(upload.maker.caller, upload.reserved, upload.reserved);
   return recency_.front();
 }
 
 MeshUpload::~MeshUpload() {
-  if (is_sound_ && !part_.expected_id.empty() && part_.data.size() > 0 && part_.reserved > 0) {
+  if (is_sound_ && is_sized_ && !part_.expected_id.empty() && part_.data.size() > 0 && part_.reserved > 0) {
     store_.park(std::move(part_));
   } else {
     store_.release(part_.maker.caller, part_.reserved);
   }
 }
 
-absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset) {
+absl::Status MeshUpload::check_header(std::string_view name, std::string_view expected_id) const {
   if (name.size() > kMaxName) {
     return absl::InvalidArgumentError(absl::StrCat("header.name has ", name.size(), " bytes; at most ", kMaxName, " are taken"));
   }
   if (expected_id.size() > kMaxId) {
     return absl::InvalidArgumentError(absl::StrCat("header.mesh_id has ", expected_id.size(), " bytes; a mesh_id has ", kMaxId));
   }
+  return store_.kept_ != nullptr ? store_.kept_->may_store() : absl::OkStatus();  // rather now than after all of it
+}
+
+absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset) {
   if (size == 0) return absl::InvalidArgumentError("header.size is 0: the file is empty");
   if (size > store_.max_file_bytes()) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the file has ", size, " bytes; this server takes at most ", store_.max_file_bytes()));
   }
-  if (store_.kept_ != nullptr) {
-    if (absl::Status may = store_.kept_->may_store(); !may.ok()) return may;  // rather now than after all of it
-  }
-  if (offset > 0) {
-    absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), part_.maker, size, offset);
-    if (!part.ok()) return part.status();
-    part_ = *std::move(part);
-    return absl::OkStatus();
-  }
+  if (absl::Status status = check_header(name, expected_id); !status.ok()) return status;
+  if (offset == 0) return open(name, size, expected_id);
+  absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), part_.maker, size, offset);
+  if (!part.ok()) return part.status();
+  part_ = *std::move(part);
+  return absl::OkStatus();
+}
+
+absl::Status MeshUpload::begin_unsized(std::string_view name, std::string_view expected_id) {
+  if (absl::Status status = check_header(name, expected_id); !status.ok()) return status;
+  is_sized_ = false;
+  return open(name, store_.max_file_bytes(), expected_id);
+}
+
+absl::Status MeshUpload::open(std::string_view name, std::uint64_t claimed, std::string_view expected_id) {
   if (absl::Status status = store_.reserve(part_.maker.caller, kCharge); !status.ok()) return status;
   part_.reserved = kCharge;
   if (store_.kept_ != nullptr) {
@@ -306,15 +356,21 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
   }
   part_.name = name;
   part_.expected_id = expected_id;
-  part_.claimed = size;
+  part_.claimed = claimed;
   return absl::OkStatus();
 }
 
 absl::Status MeshUpload::append(std::string_view chunk) {
   GrowingBytes& data = part_.data;
+  if (has_ended_)
+    return absl::InvalidArgumentError("a chunk came after the empty one, which is the last of a file without a size");
+  has_ended_ = !is_sized_ && chunk.empty();
   if (chunk.size() > part_.claimed - data.size()) {
     is_sound_ = false;
-    return absl::InvalidArgumentError(absl::StrCat("more than the ", part_.claimed, " bytes that header.size announced"));
+    if (is_sized_) {
+      return absl::InvalidArgumentError(absl::StrCat("more than the ", part_.claimed, " bytes that header.size announced"));
+    }
+    return absl::ResourceExhaustedError(absl::StrCat("the file has more bytes than this server takes, ", part_.claimed));
   }
   const std::size_t needed = data.size() + chunk.size();
   if (needed > data.capacity()) {
@@ -336,6 +392,15 @@ absl::Status MeshUpload::append(std::string_view chunk) {
 }
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshUpload::finish() {
+  if (!is_sized_) {
+    if (!has_ended_) {  // a stream that breaks off ends like one that is whole
+      return absl::InvalidArgumentError(absl::StrCat("the upload ended after ", part_.data.size(),
+                                                     " bytes without the empty chunk that says that the file is whole"));
+    }
+    if (part_.data.size() == 0) return absl::InvalidArgumentError("the file is empty");
+    part_.claimed = part_.data.size();
+    if (!part_.data.is_file()) part_.data.reserve(part_.claimed).IgnoreError();  // gives back what it had ahead
+  }
   if (part_.data.size() != part_.claimed) {
     return absl::InvalidArgumentError(absl::StrCat("the upload ended after ", part_.data.size(), " of the ", part_.claimed,
                                                    " bytes that header.size announced"));

@@ -10,8 +10,8 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "core/base/mutex.h"
 #include "server/base/hash.h"
@@ -29,7 +29,7 @@ struct MeshPart {
   GrowingBytes data;
   Hasher hasher;
   std::string expected_id;     // empty: not known beforehand
-  std::uint64_t claimed = 0;   // bytes of the whole
+  std::uint64_t claimed = 0;   // bytes of the whole; at most, where its size is not known
   std::uint64_t reserved = 0;  // bytes of the store's budget: the data's capacity and a fixed charge
 };
 
@@ -53,6 +53,19 @@ class MeshStore {
   /// only where owners are isolated. NotFound says what to do. Where is_shared(), what is not here is got from the store that
   /// servers share, which may take its time: Unavailable where that is away, ResourceExhausted where there is no room.
   absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id, const std::string& who = {});
+  /// Counts a file that is here as a caller's too, as list() does: it has the id, and was told that it need not send the bytes.
+  void note_user(const std::string& key, const std::string& caller);
+
+  /// A file as list() tells of it.
+  struct Listed {
+    std::string id, name;
+    std::uint64_t size = 0;  // bytes
+  };
+  /// Lists files that are here, by id, at most `most` of those after the id `after`: of those that find() finds for the owner
+  /// what the caller sent or note_user() said, and what the server took for itself; all of them where `of_all`. With an empty
+  /// `after` it reads the folder first, which may take its time.
+  std::vector<Listed> list(const Maker& who, bool of_all, const std::string& after, std::size_t most);
+
   /// How many bytes are there of the file with this hash, whose upload by the same client broke off.
   std::uint64_t received(const std::string& id, const Maker& maker = {});
 
@@ -82,8 +95,11 @@ class MeshStore {
   void adopt(std::shared_ptr<const Mesh> mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Forgets a mesh; its file stays. Returns what follows it.
   Recency::iterator drop(Recency::iterator mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// Takes up what others have stored or removed, and how recently they have used it.
-  void look_into_folder() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Takes up what others have stored or removed, and how recently they have used it. `files`: MeshFolder::list(), of just now.
+  void take_up(const std::vector<MeshFolder::Stored>& files) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Whether list() tells a caller of a file that find() would find.
+  bool is_of(const Mesh& mesh, const std::string& caller) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void add_user(const Mesh& mesh, const std::string& caller) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// What there is of one caller, bytes.
   struct Share {
     std::uint64_t held = 0;       // all
@@ -118,7 +134,9 @@ class MeshStore {
   std::map<std::string, Share> shares_ ABSL_GUARDED_BY(mutex_);  // by caller; of whom there is something
   std::uint64_t evicted_ ABSL_GUARDED_BY(mutex_) = 0;
   Recency recency_ ABSL_GUARDED_BY(mutex_);
-  std::unordered_map<std::string, Recency::iterator> by_key_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Recency::iterator> by_key_ ABSL_GUARDED_BY(mutex_);
+  /// By key: callers besides the sender who have the file, too, the newest last.
+  std::map<std::string, std::vector<std::string>> users_ ABSL_GUARDED_BY(mutex_);
   Parts parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
   CondVar fetched_;
   std::set<std::string> fetching_ ABSL_GUARDED_BY(mutex_);  // keys
@@ -137,7 +155,10 @@ class MeshUpload {
   /// MeshStore::received(expected_id). ResourceExhausted where there is no room, or too much is under way of this caller;
   /// InvalidArgument for the rest.
   absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset = 0);
-  /// Takes the next bytes. InvalidArgument where there are more than announced; ResourceExhausted where there is no room.
+  /// The same of a file whose size turns out at its end, after which an empty chunk has to come. It cannot be resumed.
+  absl::Status begin_unsized(std::string_view name, std::string_view expected_id);
+  /// Takes the next bytes. InvalidArgument where there are more than announced; ResourceExhausted where there is no room, or the
+  /// file becomes larger than files may be.
   absl::Status append(std::string_view chunk);
   /// Stores the file, and returns it or the one already held for the same bytes. Where files survive, this one does from now on,
   /// and the call waits for the disk. InvalidArgument for a wrong size or hash; ResourceExhausted and Unavailable where it cannot
@@ -145,9 +166,16 @@ class MeshUpload {
   absl::StatusOr<std::shared_ptr<const Mesh>> finish();
 
  private:
+  /// Whether a file of this name may be taken now.
+  absl::Status check_header(std::string_view name, std::string_view expected_id) const;
+  /// Makes ready for the first bytes of a file that has `claimed` at most.
+  absl::Status open(std::string_view name, std::uint64_t claimed, std::string_view expected_id);
+
   MeshStore& store_;
   MeshPart part_;
-  bool is_sound_ = true;  // no more bytes came than there should
+  bool is_sized_ = true;    // part_.claimed is what the file has
+  bool has_ended_ = false;  // of one without a size: by an empty chunk
+  bool is_sound_ = true;    // no more bytes came than there should
 };
 
 }  // namespace curvecast::server

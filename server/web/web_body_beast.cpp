@@ -6,6 +6,7 @@
 
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/read.hpp>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -23,6 +24,11 @@ bool expects_continue(const Parser& parser) {
   return absl::EqualsIgnoreCase(absl::string_view(field.data(), field.size()), "100-continue");
 }
 
+template <class Parser>
+std::ptrdiff_t count_fields(const Parser& parser) {
+  return std::distance(parser.get().begin(), parser.get().end());
+}
+
 }  // namespace
 
 WebBody::WebBody(WebStream& stream, boost::beast::flat_buffer& buffer, HeaderParser&& parser, std::chrono::milliseconds time_out)
@@ -30,6 +36,7 @@ WebBody::WebBody(WebStream& stream, boost::beast::flat_buffer& buffer, HeaderPar
       buffer_(buffer),
       time_out_(time_out),
       parser_(std::move(parser)),
+      fields_(count_fields(parser_)),
       says_continue_(expects_continue(parser_) && buffer.size() == 0) {}
 
 void WebBody::read(std::shared_ptr<void> keeper, WebExchange::Take take) {
@@ -77,6 +84,9 @@ void WebBody::finish_piece(Error error, std::shared_ptr<void> keeper, WebExchang
       return take(absl::CancelledError("the client has gone, or was too slow"));
     }
     return take(absl::InvalidArgumentError(absl::StrCat("the body is no HTTP: ", error.message())));
+  }
+  if (parser_.is_done() && count_fields(parser_) != fields_) {  // the parser adds them to the header, long after it was read
+    return take(absl::InvalidArgumentError("the body has trailers; nothing is taken after its last chunk"));
   }
   piece_.resize(piece_.size() - parser_.get().body().size);
   if (piece_.empty() && !parser_.is_done()) {  // the beginning of a chunk

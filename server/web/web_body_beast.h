@@ -34,8 +34,8 @@ class WebBody {
   bool is_done() const { return parser_.is_done(); }
   /// Whether something is being read.
   bool is_reading() const { return is_reading_; }
-  /// As WebExchange::read_body(). `keeper` is kept until `take` is called; it keeps the stream. A client that waits to be told so
-  /// before it sends (Expect: 100-continue) is told.
+  /// As WebExchange::read_body(); InvalidArgument also where trailers follow the chunks. `keeper` is kept until `take` is called;
+  /// it keeps the stream. A client that waits to be told so before it sends (Expect: 100-continue) is told.
   void read(std::shared_ptr<void> keeper, WebExchange::Take take);
 
  private:
@@ -49,7 +49,8 @@ class WebBody {
   boost::beast::flat_buffer& buffer_;
   const std::chrono::milliseconds time_out_;
   boost::beast::http::request_parser<boost::beast::http::buffer_body> parser_;
-  bool says_continue_;  // to be said yet
+  const std::ptrdiff_t fields_;  // of the header
+  bool says_continue_;           // to be said yet
   bool is_reading_ = false;
   std::string piece_;           // being read
   std::uint64_t received_ = 0;  // bytes

@@ -64,6 +64,15 @@ std::string name_of(const tcp::socket& socket) {
   return peer_name((error ? tcp::endpoint() : peer).data());
 }
 
+/// Null where it is clear how long the body is: else other servers and this one could tell requests apart differently.
+std::optional<PlainResponse> refuse_framing(const http::request<http::empty_body>& request) {
+  const auto coding = request.find(http::field::transfer_encoding);
+  if (coding == request.end()) return std::nullopt;
+  if (request.version() < 11) return plain(http::status::bad_request, "HTTP/1.0 has no Transfer-Encoding\n");
+  if (beast::iequals(coding->value(), "chunked")) return std::nullopt;
+  return plain(http::status::not_implemented, "of Transfer-Encoding only chunked is taken\n");
+}
+
 struct Offer {
   bool has_ours = false;           // the subprotocol that we speak
   std::string authorization = {};  // of the token that came with it
@@ -160,6 +169,10 @@ void WebConnection::receive(Error error) {
   asked_ = {request.version(), request.keep_alive(), request.method() == http::verb::head};
   has_unread_body_ = has_body;
   body_.reset();
+  if (auto refused = refuse_framing(request)) {
+    has_unread_body_ = true;  // whatever follows is part of it
+    return answer_now(*std::move(refused));
+  }
   std::optional<Response> response;
   try {
     response = is_upgrade(request) ? upgrade(request) : answer(request, has_body);

@@ -341,5 +341,27 @@ TEST_F(ClientTest, ForwardsSessions) {
   EXPECT_TRUE(absl::IsNotFound(client_.close_session("t")));
 }
 
+TEST_F(ClientTest, MeshesComeInPages) {
+  v1::ListMeshesResponse first, last;
+  first.add_meshes()->set_mesh_id("a");
+  first.set_next_page_token("a");
+  last.add_meshes()->set_mesh_id("b");
+  last.mutable_meshes(0)->set_name("b.ply");
+  last.mutable_meshes(0)->set_size(12);
+  ON_CALL(*connection_, list_meshes).WillByDefault([&](const v1::ListMeshesRequest& request, std::stop_token) {
+    return request.page_token().empty() ? first : last;
+  });
+  const auto listed = client_.list_meshes();
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  ASSERT_EQ(listed->size(), 2U);
+  EXPECT_EQ(listed->at(0).mesh_id(), "a");
+  EXPECT_EQ(listed->at(1).name(), "b.ply");
+  EXPECT_EQ(listed->at(1).size(), 12U);
+  ON_CALL(*connection_, list_meshes).WillByDefault(Return(first));
+  EXPECT_TRUE(absl::IsDataLoss(client_.list_meshes().status())) << "the same page for ever";
+  ON_CALL(*connection_, list_meshes).WillByDefault(Return(absl::UnimplementedError("an older server")));
+  EXPECT_TRUE(absl::IsUnimplemented(client_.list_meshes().status()));
+}
+
 }  // namespace
 }  // namespace curvecast::client

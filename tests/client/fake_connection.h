@@ -22,6 +22,7 @@ class FakeConnection : public Connection {
   MOCK_METHOD(absl::StatusOr<v1::Session>, create_session, (const v1::CreateSessionRequest&, const OnProgress&, std::stop_token),
               (override));
   MOCK_METHOD(absl::StatusOr<v1::GetSessionResponse>, get_session, (const v1::GetSessionRequest&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::ListMeshesResponse>, list_meshes, (const v1::ListMeshesRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::ListSessionsResponse>, list_sessions, (const v1::ListSessionsRequest&, std::stop_token),
               (override));
   MOCK_METHOD(absl::StatusOr<v1::UpdateSessionResponse>, update_session, (const v1::UpdateSessionRequest&, std::stop_token),

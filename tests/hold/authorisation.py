@@ -33,7 +33,7 @@ LOOK = ("--max-curve-vertices", "0")
 PATIENCE, RELOAD_SECONDS, CLOSED_SECONDS = 60.0, 5.0, 1.1
 ANNA, BERT, CARL = Who("anna", "anna's", "valid"), Who("bert", "bert's", "valid"), Who("carl", "carl's", "valid")
 APART = BERT._replace(token="bert's")  # where he finds only what is his own
-FOR_ALL = ("UploadMesh", "GetUpload", "ImportMesh", "ListSessions")  # what names nothing that is another's
+FOR_ALL = ("UploadMesh", "GetUpload", "ImportMesh", "ListMeshes", "ListSessions")  # what names nothing that is another's
 NOBODIES = (
     Who(credential="none"),
     Who("", "nobody's", "wrong"),
@@ -88,6 +88,7 @@ class Subject(NamedTuple):
             ],
             "GetUpload": [v1.GetUploadRequest(mesh_id=mesh)],
             "ImportMesh": [v1.ImportMeshRequest(path=FILE)],
+            "ListMeshes": [v1.ListMeshesRequest()],
             "GetMesh": [v1.GetMeshRequest(mesh_id=mesh)],
             "ListMeshReferences": [v1.ListMeshReferencesRequest(mesh_id=mesh)],
             "InspectMesh": [v1.InspectMeshRequest(mesh_id=mesh)],

@@ -124,6 +124,10 @@ Uploaded upload(Stub& stub, const v1::UploadHeader& header, const std::string& b
     request.set_chunk(bytes.substr(at, chunk));
     open = writer->Write(request);
   }
+  if (header.size_is_unknown()) {
+    request.set_chunk("");
+    writer->Write(request);
+  }
   writer->WritesDone();
   out.status = writer->Finish();
   return out;

@@ -101,6 +101,10 @@ TEST_F(ServerHostileFields, Unary) {
     v1::CloseSessionResponse response;
     return stub_->CloseSession(&context, request, &response);
   });
+  for_all_changes(v1::ListMeshesRequest(), [&](auto& context, const auto& request) {
+    v1::ListMeshesResponse response;
+    return stub_->ListMeshes(&context, request, &response);
+  });
   for_all_changes(v1::ListSessionsRequest(), [&](auto& context, const auto& request) {
     v1::ListSessionsResponse response;
     return stub_->ListSessions(&context, request, &response);

@@ -34,16 +34,18 @@ def connect(
     short_timeout: float = 30,
     long_timeout: float = 600,
     attempts: int = 5,
+    viewer: str = "",
 ) -> Client:
     """Makes a client of the server at "host:port". The first call opens the connection.
 
     credentials: for TLS, such as grpc.ssl_channel_credentials(); without them nothing is encrypted. token: by which the server
     knows this client, sent with every call; empty: none. short_timeout: time limit of calls that only look something up, seconds.
     long_timeout: time limit of calls that compute or move data, seconds; preprocessing and measuring have none. attempts: how often
-    a call is made in all when the connection or the server is lost (UNAVAILABLE), 0.1 s and more apart. ValueError: less than one
-    attempt.
+    a call is made in all when the connection or the server is lost (UNAVAILABLE), 0.1 s and more apart. viewer: address of the same
+    server's viewer, such as "http://127.0.0.1:8080/", with which notebooks show sessions. ValueError: less than one attempt, or a
+    viewer's address that is none or has more than host, port and path.
     """
-    return Client(Connection(address, credentials, token, short_timeout, long_timeout, attempts))
+    return Client(Connection(address, credentials, token, short_timeout, long_timeout, attempts, viewer))
 
 
 class Client:
@@ -102,6 +104,19 @@ class Client:
         that folder, with forward slashes."""
         request = v1.ImportMeshRequest(path=path)
         return Mesh(self._connection.call("ImportMesh", request, self._connection.long_timeout).mesh_id)
+
+    def meshes(self) -> list[v1.StoredMesh]:
+        """Lists this caller's files that the server holds, meshes and what they refer to, by mesh_id, with name and size in bytes.
+        A server that knows its callers by tokens or certificates tells of those only that this one sent, imported or has asked
+        for, and of its own."""
+        meshes: list[v1.StoredMesh] = []
+        request = v1.ListMeshesRequest(page_size=1000)
+        while True:
+            page = self._connection.call("ListMeshes", request, self._connection.short_timeout)
+            meshes += page.meshes
+            if not page.next_page_token:
+                return meshes
+            request.page_token = page.next_page_token
 
     def inspect(self, mesh: Mesh | str) -> v1.MeshInfo:
         """Tells what a mesh holds, its topology, and what repair does to it."""

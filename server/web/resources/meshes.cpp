@@ -2,10 +2,14 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "server/base/grpc_status.h"
 #include "server/base/log.h"
 #include "server/web/resources/json.h"
+#include "server/web/resources/query.h"
 
 namespace curvecast::server {
 namespace {
@@ -52,7 +56,8 @@ class Upload final : public grpc::ClientWriteReactor<v1::UploadMeshRequest> {
   Upload(std::shared_ptr<WebResource> resource, UploadTerms terms) : resource_(std::move(resource)), terms_(std::move(terms)) {
     v1::UploadHeader& header = *request_.mutable_header();
     header.set_name(terms_.name);
-    header.set_size(*resource_->request().body_bytes);
+    const std::optional<std::uint64_t>& size = resource_->request().body_bytes;
+    size ? header.set_size(*size) : header.set_size_is_unknown(true);
     header.set_mesh_id(terms_.mesh_id);
   }
 
@@ -65,7 +70,7 @@ class Upload final : public grpc::ClientWriteReactor<v1::UploadMeshRequest> {
 
  private:
   void OnWriteDone(bool ok) override {
-    if (!ok) return RemoveHold();  // the call is over, and OnDone() says why
+    if (!ok || has_ended_) return RemoveHold();  // not ok: the call is over, and OnDone() says why
     resource_->read_body([this](absl::StatusOr<std::string> piece) { send(std::move(piece)); });
   }
 
@@ -76,7 +81,15 @@ class Upload final : public grpc::ClientWriteReactor<v1::UploadMeshRequest> {
       return RemoveHold();
     }
     if (piece->empty()) {
-      StartWritesDone();
+      has_ended_ = true;
+      request_.set_chunk("");  // which says, where nobody knew the size, that the file is whole
+      return StartWriteLast(&request_, grpc::WriteOptions());
+    }
+    received_ += piece->size();
+    const std::uint64_t most = resource_->engine().meshes.max_file_bytes();
+    if (received_ > most) {  // the call would say so only once the client sends more
+      broken_ = absl::ResourceExhaustedError(absl::StrCat("the file has more bytes than this server takes, ", most));
+      resource_->cancel();
       return RemoveHold();
     }
     request_.set_chunk(*std::move(piece));
@@ -85,12 +98,8 @@ class Upload final : public grpc::ClientWriteReactor<v1::UploadMeshRequest> {
 
   void OnDone(const grpc::Status& status) override {
     const std::unique_ptr<Upload> self(this);
-    if (!broken_.ok()) return resource_->fail(broken_);
-    if (!status.ok()) {
-      const bool is_too_large = status.error_code() == grpc::RESOURCE_EXHAUSTED &&
-                                *resource_->request().body_bytes > resource_->engine().meshes.max_file_bytes();
-      return resource_->fail(status, is_too_large ? 413 : 0);
-    }
+    if (!broken_.ok()) return resource_->fail(to_grpc(broken_), absl::IsResourceExhausted(broken_) ? 413 : 0);
+    if (!status.ok()) return resource_->fail(status);
     if (!terms_.inspects) return tell(resource_, terms_.name, response_, grpc::Status::OK, {});
     inspect();
   }
@@ -113,20 +122,34 @@ class Upload final : public grpc::ClientWriteReactor<v1::UploadMeshRequest> {
   const UploadTerms terms_;
   v1::UploadMeshRequest request_;
   v1::UploadMeshResponse response_;
-  absl::Status broken_;  // what was wrong with the body
+  bool has_ended_ = false;
+  std::uint64_t received_ = 0;  // bytes of the body
+  absl::Status broken_;         // what was wrong with the body
 };
 
 }  // namespace
 
+void list_meshes(const std::shared_ptr<WebResource>& resource) {
+  absl::StatusOr<PageTerms> page = read_page_terms(resource->query());
+  if (!page.ok()) return resource->fail(page.status());
+  v1::ListMeshesRequest request;
+  request.set_page_size(page->size);
+  request.set_page_token(std::move(page->token));
+  resource->call<v1::ListMeshesRequest, v1::ListMeshesResponse>(
+      &Async::ListMeshes, std::move(request),
+      [resource](const v1::ListMeshesResponse& list) { resource->answer(json_answer(list)); });
+}
+
 void put_mesh(const std::shared_ptr<WebResource>& resource, const std::string& name) {
   absl::StatusOr<UploadTerms> terms = read_terms(*resource, name);
   if (!terms.ok()) return resource->fail(terms.status());
-  if (!resource->request().body_bytes && resource->request().has_body) {
-    return resource->fail(
-        grpc::Status(grpc::INVALID_ARGUMENT, "say how long the file is, with Content-Length: a chunked body does not tell"), 411);
-  }
   if (!resource->request().has_body) {
     return resource->fail(absl::InvalidArgumentError("the body is empty; it is the file"));
+  }
+  const std::uint64_t size = resource->request().body_bytes.value_or(0), most = resource->engine().meshes.max_file_bytes();
+  if (size > most) {  // rather now than when the first of it has come
+    const std::string why = absl::StrCat("the file has ", size, " bytes; this server takes at most ", most);
+    return resource->fail(grpc::Status(grpc::RESOURCE_EXHAUSTED, why), 413);
   }
   (new Upload(resource, *std::move(terms)))->start();
 }

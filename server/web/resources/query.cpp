@@ -2,6 +2,7 @@
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/escaping.h>
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <google/protobuf/stubs/common.h>
@@ -50,6 +51,19 @@ absl::StatusOr<std::vector<std::pair<std::string, std::string>>> parse_query(std
     parts.emplace_back(*std::move(name), *std::move(value));
   }
   return parts;
+}
+
+absl::StatusOr<PageTerms> read_page_terms(const std::vector<std::pair<std::string, std::string>>& query) {
+  PageTerms terms;
+  for (const auto& [key, value] : query) {
+    if (key == "page_size" && absl::SimpleAtoi(value, &terms.size)) continue;
+    if (key != "page_token") {
+      return absl::InvalidArgumentError(absl::StrCat("query: '", printable(key + "=" + value),
+                                                     "' is nothing that a list has; there are: page_size=COUNT, page_token"));
+    }
+    terms.token = value;
+  }
+  return terms;
 }
 
 absl::Status bad_query_part(const std::pair<std::string, std::string>& part, std::string_view want) {

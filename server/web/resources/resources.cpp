@@ -72,6 +72,7 @@ void get_document(Resource resource) {
 Actions find(const std::vector<std::string>& path, Tilesets tilesets) {
   const std::string& first = path.front();
   if (path.size() == 1 && first == "openapi.json") return {{{"GET", get_document}}};
+  if (path.size() == 1 && first == "meshes") return {{{"GET", list_meshes}}};
   if (path.size() == 2 && first == "meshes" && !path[1].empty()) {
     return {{{"GET", [id = path[1]](Resource resource) { get_mesh(resource, id); }},
              {"PUT", [name = path[1]](Resource resource) { put_mesh(resource, name); }}}};

@@ -2,12 +2,12 @@
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/match.h>
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
 #include "server/base/log.h"
 #include "server/base/protocol.h"
 #include "server/web/resources/json.h"
+#include "server/web/resources/query.h"
 
 namespace curvecast::server {
 namespace {
@@ -67,18 +67,11 @@ void create_session(const std::shared_ptr<WebResource>& resource) {
 }
 
 void list_sessions(const std::shared_ptr<WebResource>& resource) {
+  absl::StatusOr<PageTerms> page = read_page_terms(resource->query());
+  if (!page.ok()) return resource->fail(page.status());
   v1::ListSessionsRequest request;
-  for (const auto& [key, value] : resource->query()) {
-    std::uint32_t size = 0;
-    if (key == "page_size" && absl::SimpleAtoi(value, &size)) {
-      request.set_page_size(size);
-    } else if (key == "page_token") {
-      request.set_page_token(value);
-    } else {
-      return resource->fail(absl::InvalidArgumentError(absl::StrCat(
-          "query: '", printable(key + "=" + value), "' is nothing that a list has; there are: page_size=COUNT, page_token")));
-    }
-  }
+  request.set_page_size(page->size);
+  request.set_page_token(std::move(page->token));
   resource->call<v1::ListSessionsRequest, v1::ListSessionsResponse>(
       &Async::ListSessions, std::move(request),
       [resource](const v1::ListSessionsResponse& list) { resource->answer(json_answer(list)); });

@@ -95,6 +95,28 @@ describe("a client from the description", () => {
     );
   });
 
+  it("lists what it has uploaded, and uploads what has no length yet", async () => {
+    const streamed = await client.PUT("/v1/meshes/{mesh}", {
+      params: { path: { mesh: "streamed.off" } },
+      headers: { "Content-Type": "application/octet-stream" },
+      body: sphere(3),
+      bodySerializer: (body) => new Blob([body]).stream(),
+      duplex: "half",
+    });
+    assert.ok(streamed.data, JSON.stringify(streamed.error));
+    assert.equal(streamed.data.size, String(sphere(3).length));
+    const ids: string[] = [];
+    let token = "";
+    do {
+      const { data, error } = await client.GET("/v1/meshes", { params: { query: { page_size: 1, page_token: token } } });
+      assert.ok(data, JSON.stringify(error));
+      ids.push(...data.meshes.map((mesh) => mesh.meshId));
+      token = data.nextPageToken;
+    } while (token !== "");
+    assert.equal(ids.length, 2);
+    assert.ok(ids.includes(streamed.data.meshId));
+  });
+
   it("takes points", async () => {
     const query = { n: POINTS, density: ["curvature:floor=0.2", "expression:z > -2"], attributes: ["curvatures" as const] };
     const { data, error } = await client.GET("/v1/sessions/{session}/points.json", { params: { path: { session }, query } });

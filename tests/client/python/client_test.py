@@ -61,6 +61,13 @@ class ClientTest(ServerTest):
         self.assertEqual((info.format, info.components, info.genus, info.boundary_loops), ("obj", 1, 0, 0))
         self.assertAlmostEqual(info.area, 4 * np.pi, delta=0.1)
 
+    def test_meshes(self) -> None:
+        text = sphere_obj(5)
+        mesh = self.client.upload(self.write("listed.obj", text))
+        listed = {stored.mesh_id: stored for stored in self.client.meshes()}
+        self.assertEqual((listed[mesh.id].name, listed[mesh.id].size), ("listed.obj", len(text)))
+        self.assertEqual(list(listed), sorted(listed))
+
     def test_sessions(self) -> None:
         mesh = self.client.upload(self.write("sessions.obj", sphere_obj(16)))
         stages: set[str] = set()

@@ -74,6 +74,11 @@ class ConnectionTest(FakeServerTest):
     def test_all_pages_of_sessions(self) -> None:
         self.assertEqual([session.id for session in self.client.sessions()], ["00", "01", "10", "11", "20", "21"])
 
+    def test_all_pages_of_meshes(self) -> None:
+        self.service.failures = [grpc.StatusCode.UNAVAILABLE]
+        meshes = [(mesh.mesh_id, mesh.name, mesh.size) for mesh in self.client.meshes()]
+        self.assertEqual(meshes, [(f"{page}{i}", "a.ply", page) for page in range(3) for i in range(2)])
+
     def test_exceptions_of_callbacks_come_out(self) -> None:
         def stop(*_: object) -> None:
             raise KeyError("enough")

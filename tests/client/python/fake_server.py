@@ -57,6 +57,12 @@ class FakeService(v1_grpc.CurvecastServiceServicer):
             self._answer(context)
         return v1.UploadMeshResponse()
 
+    def ListMeshes(self, request: v1.ListMeshesRequest, context: grpc.ServicerContext) -> v1.ListMeshesResponse:
+        self._answer(context)
+        page = int(request.page_token or 0)
+        meshes = [v1.StoredMesh(mesh_id=f"{page}{i}", name="a.ply", size=page) for i in range(2)]
+        return v1.ListMeshesResponse(meshes=meshes, next_page_token=str(page + 1) if page < 2 else "")
+
     def ListSessions(self, request: v1.ListSessionsRequest, context: grpc.ServicerContext) -> v1.ListSessionsResponse:
         self._answer(context)
         page = int(request.page_token or 0)

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <thread>
 
 #include "server/base/log.h"
 #include "server/session/mesh_store.h"
@@ -110,6 +111,42 @@ TEST_F(MeshFolderTest, StoresShareAFolder) {
   std::filesystem::remove(path_of(id));
   EXPECT_EQ(here->find(id).status().code(), Code::kNotFound);
   EXPECT_EQ(content(*there, id), bytes_) << "whoever uses it has it still";
+}
+
+TEST_F(MeshFolderTest, WhatOthersStoredIsListed) {
+  const auto ids = [](MeshStore& store, const std::string& after = "") {
+    std::vector<std::string> out;
+    for (const MeshStore::Listed& file : store.list({}, true, after, 100)) out.push_back(file.id);
+    return out;
+  };
+  const auto first = store(), second = store();
+  const std::string id = *upload(*first, bytes_, "bunny.off");
+  EXPECT_THAT(ids(*second), ElementsAre(id));
+  EXPECT_EQ(second->list({}, true, "", 1).at(0).name, "bunny.off");
+  EXPECT_EQ(second->list({}, true, "", 1).at(0).size, bytes_.size());
+  EXPECT_THAT(ids(*store()), ElementsAre(id)) << "after a restart";
+  const auto apart = store(1 << 26, true);
+  EXPECT_THAT(ids(*apart), IsEmpty()) << "of a server that keeps owners apart it is nobody's";
+  MeshUpload of_anna(*apart, {"anna", "anna"});
+  ASSERT_TRUE(of_anna.begin("hers", 3, "").ok() && of_anna.append("abc").ok() && of_anna.finish().ok());
+  EXPECT_THAT(ids(*second), ElementsAre(id)) << "nor is hers of one that does not";
+  EXPECT_EQ(apart->list({"anna", "anna"}, false, "", 10).size(), 1u);
+  EXPECT_THAT(apart->list({"bert", "bert"}, false, "", 10), IsEmpty());
+  std::filesystem::remove(path_of(id));
+  EXPECT_THAT(ids(*second), IsEmpty()) << "another server made room";
+}
+
+TEST_F(MeshFolderTest, ListsWhileOthersStore) {
+  // What is stored between the look into the folder and the listing stays there.
+  const auto meshes = store();
+  std::jthread lister([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) meshes->list({}, true, "", 1000);
+  });
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(upload(*meshes, "mesh " + std::to_string(i)).ok());
+  lister.request_stop();
+  lister.join();
+  EXPECT_EQ(meshes->usage().meshes, 200u);
+  EXPECT_EQ(meshes->list({}, true, "", 1000).size(), 200u);
 }
 
 TEST_F(MeshFolderTest, WhatNobodyUsesIsNotMapped) {

@@ -168,6 +168,64 @@ TEST(MeshStore, IsolatedOwnersFindTheirOwn) {
   EXPECT_EQ(store.usage().meshes, 2u);
 }
 
+TEST(MeshStore, TheSizeMayTurnOutAtTheEnd) {
+  curvecast::testing::TemporaryFolder folder;
+  for (const std::string& path : {std::string(), folder.path()}) {
+    MeshStore store({1 << 26, 3'000'000}, path);
+    const std::string bytes = pattern(2'500'000, 1);
+    MeshUpload upload(store, {"anna", "anna"});
+    ASSERT_TRUE(upload.begin_unsized("a mesh", "").ok());
+    for (std::size_t at = 0; at < bytes.size(); at += 100'000) ASSERT_TRUE(upload.append(bytes.substr(at, 100'000)).ok());
+    ASSERT_TRUE(upload.append("").ok());
+    EXPECT_TRUE(absl::IsInvalidArgument(upload.append("more")));
+    const auto mesh = upload.finish();
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_TRUE(std::ranges::equal((*mesh)->bytes(), bytes));
+    EXPECT_EQ((*mesh)->size(), bytes.size());
+    EXPECT_EQ(store.usage().bytes, bytes.size() + 4096) << "what was reserved ahead came back";
+  }
+}
+
+TEST(MeshStore, WithoutASizeTheLimitHoldsWhileBytesCome) {
+  MeshStore store({1 << 26, 1'000'000});
+  {
+    MeshUpload upload(store);
+    ASSERT_TRUE(upload.begin_unsized("a mesh", "").ok());
+    ASSERT_TRUE(upload.append(pattern(1'000'000, 1)).ok());
+    EXPECT_LE(store.usage().bytes, 1'000'000u + 4096) << "nothing beyond it is reserved";
+    const absl::Status status = upload.append("x");
+    EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+    EXPECT_THAT(status.message(), HasSubstr("1000000"));
+  }
+  {
+    MeshUpload empty(store);
+    ASSERT_TRUE(empty.begin_unsized("a mesh", "").ok());
+    ASSERT_TRUE(empty.append("").ok());
+    EXPECT_TRUE(absl::IsInvalidArgument(empty.finish().status()));
+  }
+  const std::string id(32, '0');
+  {
+    MeshUpload wrong(store);
+    ASSERT_TRUE(wrong.begin_unsized("a mesh", id).ok());
+    ASSERT_TRUE(wrong.append("abc").ok());
+    ASSERT_TRUE(wrong.append("").ok());
+    EXPECT_THAT(wrong.finish().status().message(), HasSubstr("hash"));
+  }
+  {
+    MeshUpload cut(store);
+    ASSERT_TRUE(cut.begin_unsized("a mesh", "").ok());
+    ASSERT_TRUE(cut.append("abc").ok());
+    EXPECT_THAT(cut.finish().status().message(), HasSubstr("after 3 bytes without the empty chunk"));
+  }
+  {
+    MeshUpload broken(store);
+    ASSERT_TRUE(broken.begin_unsized("a mesh", id).ok());
+    ASSERT_TRUE(broken.append("abc").ok());
+  }
+  EXPECT_EQ(store.received(id), 0u) << "how long it would be nobody knows, so nothing is kept";
+  EXPECT_EQ(store.usage().bytes, 0u);
+}
+
 /// What is sent before the connection breaks.
 void upload_part(MeshStore& store, const std::string& bytes, const std::string& id, std::size_t begin, std::size_t end,
                  const Maker& maker = {}) {

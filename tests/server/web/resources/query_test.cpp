@@ -37,5 +37,18 @@ TEST(WebQuery, NamesInHeadersAreHarmless) {
   EXPECT_EQ(header_name_of(std::string(1000, 'a')).size(), 64u);
 }
 
+TEST(WebQuery, SaysWhichPageOfAList) {
+  EXPECT_EQ(read_page_terms({})->size, 0u);
+  EXPECT_EQ(read_page_terms({})->token, "");
+  const auto terms = read_page_terms({{"page_token", "abc"}, {"page_size", "4294967295"}});
+  ASSERT_TRUE(terms.ok()) << terms.status();
+  EXPECT_EQ(terms->size, 4294967295u);
+  EXPECT_EQ(terms->token, "abc");
+  for (const char* size : {"", "x", "-1", "1.5", "4294967296"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(read_page_terms({{"page_size", size}}).status())) << size;
+  }
+  EXPECT_THAT(read_page_terms({{"page", "2"}}).status().message(), ::testing::HasSubstr("'page=2'"));
+}
+
 }  // namespace
 }  // namespace curvecast::server
