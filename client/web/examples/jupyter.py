@@ -20,7 +20,8 @@ def begin(element: str = "element.js") -> HTML:
 
 
 def show(session: Any, server: str, token: str = "", points: int = 50_000, height: str = "30rem") -> HTML:
-    """Shows a curvecast.Session: to be the result of a cell. server: its HTTP address, as https://points.example.org/."""
+    """Shows a curvecast.Session: to be the result of a cell. server: its HTTP address, as https://points.example.org/. A token is in
+    what the notebook keeps: clear the outputs before you pass it on."""
     attributes = {"src": server, "session": session.id, "token": token, "points": points, "style": f"height: {height}"}
     written = " ".join(f'{name}="{html.escape(str(value))}"' for name, value in attributes.items() if value != "")
     return HTML(f"<curvecast-view {written}></curvecast-view>")

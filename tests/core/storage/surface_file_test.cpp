@@ -205,7 +205,7 @@ TEST(SurfaceFile, ReadsOnlyTheChartsThatAreAskedFor) {
   std::vector<SurfacePlace> places(1);
   leaves.find(0, std::vector<double>{0.5}, 0.1, places);
   EXPECT_TRUE(leaves.status().ok()) << leaves.status();
-  EXPECT_EQ(places[0].face, made->curve->triangle[0]);
+  EXPECT_LT(places[0].face, balls.polygon_count() / 2);  // of the first ball
   const auto last = static_cast<std::uint32_t>(made->curve->size() - 1);
   for (int i = 0; i < 2; ++i) {
     leaves.find_even(std::vector<LeafPart>{{last, 0.5}}, places);
