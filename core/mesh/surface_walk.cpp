@@ -88,7 +88,7 @@ SurfaceWalk::End SurfaceWalk::straight(const WalkPlace& from, const Vec3d& step)
   double weights[3] = {1 - from.weight_1 - from.weight_2, from.weight_1, from.weight_2};
   Vec3d left = step;
   std::size_t entered_beside = 3;  // the corner opposite to the edge that the walk came over: it leads away from that
-  const auto here = [&](bool is_on_border) { return End{place(face, weights[1], weights[2]), is_on_border}; };
+  const auto here = [&](std::uint32_t border) { return End{place(face, weights[1], weights[2]), border}; };
   for (int i = 0; i < kMostFaces; ++i) {
     const Triangle& corners = mesh_.triangles[face];
     const Vec3d& a = mesh_.positions[corners[0]];
@@ -108,14 +108,14 @@ SurfaceWalk::End SurfaceWalk::straight(const WalkPlace& from, const Vec3d& step)
     if (out == 3) {
       const double sum = weights[0] + weights[1] + weights[2];
       for (double& weight : weights) weight /= sum;
-      return here(false);
+      return here(kNone);
     }
     const std::size_t begin = (out + 1) % 3, end = (out + 2) % 3;
     weights[out] = 0;
     weights[begin] = 1 - std::min(weights[end], 1.0);
     weights[end] = 1 - weights[begin];
-    const std::uint32_t twin = mesh_.twins[3 * face + static_cast<std::uint32_t>(begin)];
-    if (twin == kNone) return here(true);
+    const std::uint32_t over = 3 * face + static_cast<std::uint32_t>(begin), twin = mesh_.twins[over];
+    if (twin == kNone) return here(over);
     // What is left turns about the edge into the plane of the next face.
     left = (1 - part) * (change[1] * e1 + change[2] * e2);
     const Vec3d& origin = mesh_.positions[corners[begin]];
@@ -136,7 +136,7 @@ SurfaceWalk::End SurfaceWalk::straight(const WalkPlace& from, const Vec3d& step)
     weights[(twin % 3 + 1) % 3] = next[1];
     entered_beside = next_out;
   }
-  return here(false);
+  return here(kNone);
 }
 
 }  // namespace curvecast

@@ -34,7 +34,7 @@ class SurfaceWalk {
   /// Where a walk ends.
   struct End {
     WalkPlace place;
-    bool is_on_border = false;  // before it was over
+    std::uint32_t border = kNone;  // the halfedge at which it ended before it was over
   };
   /// Goes straight on along the surface, over edges as if the faces beside them were one plane, as far as the part of `step` in
   /// the first face's plane is long, but no farther than to a border, or to a face without an area. Source: Polthier, Schmies,

@@ -18,36 +18,27 @@
 #include "core/mesh/surface_walk.h"
 #include "core/sample/overlap.h"
 #include "core/sample/point_blocks.h"
-#include "core/sample/repulsion.h"
 #include "core/sample/splat_radius.h"
+#include "core/sample/voronoi_cell.h"
 
 namespace curvecast {
 namespace {
 
 constexpr char kStage[] = "relax";
 constexpr std::size_t kGrain = 32;  // blocks
-// Tried on a square with 16,384 jittered points: longer steps begin to swing, shorter ones take more rounds.
-constexpr double kStep = 0.5;   // of the push, in spacings
-constexpr double kDamping = 2;  // in the second half of the rounds they shrink, so that nothing swings on ridges
-constexpr int kSweeps = 48;     // at most, over points that are too near to others
+// Of the way to the centres of cells. Tried on ten models: by more points begin to swing, by less it takes more rounds.
+constexpr double kRate = 1.8;
+constexpr int kSweeps = 6, kMostSweeps = 48;  // a round, and in all: over points that are too near to others
 // Sheets thinner than the spacing have others behind all points. Where those keep the whole distance, those on the same side
 // cannot, and the set is less even: by a third on two squares.
 constexpr float kApartInSheets = 0.55F;  // spacings
 constexpr double kMostBehind = 0.02;     // of the points that are looked at are too near to others behind, but in sheets
 constexpr std::size_t kLookAt = 8;       // every one of so many blocks
-constexpr double kMostPushed = 0.65;     // spacings: the rest of kMostMove is for parting
+constexpr double kMostCentred = 1;       // spacings: the rest of kMostMove is for parting
 constexpr int kAttempts = 3;
-constexpr double kMostStep = 0.3;  // spacings
-// A point beside a border is pushed away from it as by its own picture in a mirror; so hard, that as many points are beside the
-// border as elsewhere. Without it a row of them would stand on the border itself.
-constexpr double kMirror = 1.3;
+// What is met of a border at a smaller angle is met in another direction, too, or only beside the cell.
+constexpr double kLeastSine = 0.8;
 constexpr std::uint64_t kBytesPerPoint = 176, kBytesPerBorder = 40;
-
-/// The length of steps in a round, of the push.
-double step_of(int round, int rounds) {
-  const double left = static_cast<double>(rounds - round) / rounds;
-  return kStep * std::min(1.0, kDamping * left);
-}
 
 /// Finds what is far from a surface's borders, by the middles of their edges.
 class Borders {
@@ -64,10 +55,10 @@ class Borders {
     middles_.fill_boxes();
   }
 
-  /// Whether a border may be within the box's spacing from what is in the box.
+  /// Whether a border may be within kCellRadius spacings of the box's from what is in the box.
   bool may_be_near(PointBlocks::Box box, PointBlocks::Scratch& scratch) const {
     constexpr float kRounding = 1.001F;
-    box.spacing += half_;
+    box.spacing = kCellRadius * box.spacing + half_;
     middles_.list_near(box, kRounding, scratch);
     return !scratch.near.empty();
   }
@@ -84,7 +75,8 @@ class Borders {
 class Relaxation {
  public:
   Relaxation(const TriangleMesh& mesh, const PointSet& points, const ExecutionContext& context)
-      : surface_(mesh),
+      : mesh_(mesh),
+        surface_(mesh),
         borders_(mesh, points.origin),
         context_(context),
         origin_(points.origin),
@@ -103,24 +95,28 @@ class Relaxation {
     });
   }
 
-  /// `step`: of a push, in spacings.
-  absl::Status move_all(double step) {
+  /// Moves all points over the centres of their cells.
+  absl::Status centre() {
     set_all();
     for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
-      const std::array<Vec3f, PointBlocks::kBlock> pushes = repulsion(points_, b, scratch);
       const bool has_borders = borders_.may_be_near(points_.box(b), scratch);
-      for (std::size_t k = 0; k < points_.size_of(b); ++k) move(b * PointBlocks::kBlock + k, step, pushes[k], has_borders);
+      points_.list_near(points_.box(b), kCellReach, scratch, kCellLeast);
+      for (std::size_t i = b * PointBlocks::kBlock; i < b * PointBlocks::kBlock + points_.size_of(b); ++i) {
+        VoronoiCell cell = voronoi_cell(points_, i, scratch);
+        if (has_borders) cut_at_borders(i, cell);
+        go(i, kRate * cell.centre().cast<double>(), kMostCentred * static_cast<double>(spacing_[i]));
+      }
     });
     return context_.check_limit();
   }
 
   /// Parts points that are too near to others all the same, in sweeps. Only those are looked at again that were so, and what they
   /// came near.
-  absl::Status part() {
+  absl::Status part(int sweeps) {
     set_all();
     const float apart_behind = has_sheets() ? kApartInSheets : kApart;
     std::vector<std::uint8_t> is_awake(places_.size(), 1), wakes(places_.size());
-    for (int sweep = 0; sweep < kSweeps && std::find(is_awake.begin(), is_awake.end(), 1) != is_awake.end(); ++sweep) {
+    for (int sweep = 0; sweep < sweeps && std::find(is_awake.begin(), is_awake.end(), 1) != is_awake.end(); ++sweep) {
       for_all_blocks([&](std::size_t b, PointBlocks::Scratch& scratch) {
         const Overlap overlap = find_overlap(points_, b, apart_behind, is_awake, wakes, scratch);
         for (std::size_t k = 0; k < PointBlocks::kBlock; ++k) {
@@ -174,18 +170,6 @@ class Relaxation {
     });
   }
 
-  void move(std::size_t i, double length, const Vec3f& push, bool has_borders) {
-    WalkPlace& place = places_[i];
-    const auto spacing = static_cast<double>(spacing_[i]);
-    const Vec3d& normal = normal_[i];
-    Vec3d along = push.cast<double>();
-    along -= along.dot(normal) * normal;
-    if (has_borders) along += mirrored(place, along, spacing);
-    Vec3d step = length * spacing * along;
-    step *= std::min(1.0, kMostStep * spacing / std::max(step.norm(), 1e-300));
-    go(i, step, kMostPushed * spacing);
-  }
-
   /// Walks on, but no farther than `most` from where the point was at first. Where the surface bends, a walk may end farther from
   /// there than its aim: then a part of it has to do.
   void go(std::size_t i, Vec3d step, double most) {
@@ -194,24 +178,27 @@ class Relaxation {
     if (const double distance = away.norm(); distance > most) step += (most / distance - 1) * away;
     for (int attempt = 0; attempt < kAttempts; ++attempt, step /= 2) {
       const SurfaceWalk::End end = surface_.straight(place, step);
-      if (end.is_on_border || (end.place.position - first_[i]).norm() > most) continue;
+      if (end.border != kNone || (end.place.position - first_[i]).norm() > most) continue;
       place = end.place;
       return;
     }
   }
 
-  /// What a point's picture beyond the border does to it, where it is pushed towards one.
-  Vec3d mirrored(const WalkPlace& place, const Vec3d& along, double spacing) const {
-    const double length = along.norm();
-    if (!(length > 0)) return Vec3d::Zero();
-    const SurfaceWalk::End ahead = surface_.straight(place, spacing / length * along);
-    if (!ahead.is_on_border) return Vec3d::Zero();
-    const Vec3d back = place.position - ahead.place.position;
-    const double distance = back.norm(), near = 1 - distance / spacing;  // of the picture: twice as far
-    if (!(near > 0 && distance > 0)) return Vec3d::Zero();
-    return kMirror * near * near / distance * back;
+  /// Takes off what is beyond the borders around a point.
+  void cut_at_borders(std::size_t i, VoronoiCell& cell) const {
+    const double radius = kCellRadius * static_cast<double>(spacing_[i]);
+    for (std::size_t k = 0; k < VoronoiCell::kDirections; ++k) {
+      const Vec3d aim = radius * cell.direction(k).cast<double>();
+      const SurfaceWalk::End end = surface_.straight(places_[i], aim);
+      if (end.border == kNone) continue;
+      const Vec3d way = end.place.position - places_[i].position;
+      const Vec3d along = (mesh_.positions[mesh_.to(end.border)] - mesh_.positions[mesh_.from(end.border)]).normalized();
+      const Vec3d across = way - way.dot(along) * along;
+      if (across.squaredNorm() > kLeastSine * kLeastSine * way.squaredNorm()) cell.cut(across.cast<float>(), 1);
+    }
   }
 
+  const TriangleMesh& mesh_;
   const SurfaceWalk surface_;
   const Borders borders_;
   const ExecutionContext& context_;
@@ -257,9 +244,9 @@ absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, con
   Relaxation relaxation(*joined, points, context);
   for (int round = 0; round < rounds; ++round) {
     context.progress(kStage, static_cast<double>(round) / rounds);
-    if (absl::Status status = relaxation.move_all(step_of(round, rounds)); !status.ok()) return status;
+    if (absl::Status status = relaxation.centre(); !status.ok()) return status;
   }
-  if (absl::Status status = relaxation.part(); !status.ok()) return status;
+  if (absl::Status status = relaxation.part(std::min(kSweeps * rounds, kMostSweeps)); !status.ok()) return status;
   write(relaxation, base.data, points, context);
   return context.check();
 }

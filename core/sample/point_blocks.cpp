@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kLanes = 8;  // boxes of a fan
 constexpr float kFarAway = 1e18F;  // its square is finite still
 
-CURVECAST_WIDE void mark(const PointBlocks::Point& p, float reach_in_spacings, PointBlocks::Scratch& scratch) {
+CURVECAST_WIDE void mark(const PointBlocks::Point& p, float reach_in_spacings, float least, PointBlocks::Scratch& scratch) {
   const float *x0 = scratch.low[0].data(), *y0 = scratch.low[1].data(), *z0 = scratch.low[2].data();
   const float *x1 = scratch.high[0].data(), *y1 = scratch.high[1].data(), *z1 = scratch.high[2].data();
   const float* const spacing = scratch.spacing.data();
@@ -19,7 +19,7 @@ CURVECAST_WIDE void mark(const PointBlocks::Point& p, float reach_in_spacings, P
     const float dx = fast_max(fast_max(x0[n] - p.x, p.x - x1[n]), 0.0F);
     const float dy = fast_max(fast_max(y0[n] - p.y, p.y - y1[n]), 0.0F);
     const float dz = fast_max(fast_max(z0[n] - p.z, p.z - z1[n]), 0.0F);
-    const float reach = reach_in_spacings * fast_min(p.spacing, spacing[n]);
+    const float reach = reach_in_spacings * fast_min(p.spacing, fast_max(least, spacing[n]));
     is_near[n] = dx * dx + dy * dy + dz * dz < reach * reach;
   }
 }
@@ -30,13 +30,14 @@ struct BoxColumns {
 };
 
 /// Finds which of kLanes boxes may be nearer to one than `reach_in_spacings` says: bit by bit.
-CURVECAST_WIDE std::uint32_t near_boxes(const BoxColumns& boxes, const PointBlocks::Box& around, float reach_in_spacings) {
+CURVECAST_WIDE std::uint32_t near_boxes(const BoxColumns& boxes, const PointBlocks::Box& around, float reach_in_spacings,
+                                        float least) {
   std::int32_t is_near[kLanes];
   for (std::size_t n = 0; n < kLanes; ++n) {
     const float dx = fast_max(fast_max(boxes.x0[n] - around.high[0], around.low[0] - boxes.x1[n]), 0.0F);
     const float dy = fast_max(fast_max(boxes.y0[n] - around.high[1], around.low[1] - boxes.y1[n]), 0.0F);
     const float dz = fast_max(fast_max(boxes.z0[n] - around.high[2], around.low[2] - boxes.z1[n]), 0.0F);
-    const float reach = reach_in_spacings * fast_min(around.spacing, boxes.spacing[n]);
+    const float reach = reach_in_spacings * fast_min(around.spacing, fast_max(least, boxes.spacing[n]));
     is_near[n] = dx * dx + dy * dy + dz * dz < reach * reach;
   }
   std::uint32_t bits = 0;
@@ -110,9 +111,9 @@ void PointBlocks::move(std::size_t i, const Vec3f& position, const Vec3f& normal
   }
 }
 
-void PointBlocks::list_near(const Box& around, float reach, Scratch& scratch) const {
+void PointBlocks::list_near(const Box& around, float reach, Scratch& scratch, float least) const {
   scratch.near.clear();
-  add_near(boxes_.size() - 1, 0, around, reach, scratch.near);
+  add_near(boxes_.size() - 1, 0, around, reach, least, scratch.near);
   const std::size_t count = scratch.near.size();
   const Boxes& blocks = boxes_[0];
   const auto gather = [&](const std::vector<float>& from, std::vector<float>& to) {
@@ -127,22 +128,24 @@ void PointBlocks::list_near(const Box& around, float reach, Scratch& scratch) co
   scratch.is_near.resize(count);
 }
 
-void PointBlocks::mark_near(const Point& point, float reach, Scratch& scratch) { mark(point, reach, scratch); }
+void PointBlocks::mark_near(const Point& point, float reach, Scratch& scratch, float least) {
+  mark(point, reach, least, scratch);
+}
 
 /// Lists the blocks in a fan of boxes of a level.
-void PointBlocks::add_near(std::size_t level, std::size_t fan, const Box& around, float reach,
+void PointBlocks::add_near(std::size_t level, std::size_t fan, const Box& around, float reach, float least,
                            std::vector<std::uint32_t>& near) const {
   const std::size_t first = fan * kFan;
   const Boxes& boxes = boxes_[level];
   if (boxes.count == 0) return;
   const BoxColumns columns{&boxes.low[0][first],  &boxes.low[1][first],  &boxes.low[2][first], &boxes.high[0][first],
                            &boxes.high[1][first], &boxes.high[2][first], &boxes.spacing[first]};
-  for (std::uint32_t left = near_boxes(columns, around, reach); left != 0; left &= left - 1) {
+  for (std::uint32_t left = near_boxes(columns, around, reach, least); left != 0; left &= left - 1) {
     const std::size_t b = first + static_cast<std::size_t>(std::countr_zero(left));
     if (level == 0) {
       near.push_back(static_cast<std::uint32_t>(b));
     } else {
-      add_near(level - 1, b, around, reach, near);
+      add_near(level - 1, b, around, reach, least, near);
     }
   }
 }

@@ -68,10 +68,10 @@ class PointBlocks {
   Box box(std::size_t block) const { return boxes_[0].box(block); }
 
   /// Lists the blocks in which there may be points that are nearer to one in a box than `reach` times the smaller spacing of the
-  /// two. For any number of threads at a time, each with its scratch.
-  void list_near(const Box& around, float reach, Scratch& scratch) const;
+  /// two, where those of the listed ones count as `least` at least. For any number of threads at a time, each with its scratch.
+  void list_near(const Box& around, float reach, Scratch& scratch, float least = 0) const;
   /// Sets is_near of those listed that may have points so near to one point in the box.
-  static void mark_near(const Point& point, float reach, Scratch& scratch);
+  static void mark_near(const Point& point, float reach, Scratch& scratch, float least = 0);
 
   /// How much a point matters to another one whose normal is at an angle of such a cosine: 1 up to 90 degrees, 0 from 120 on, as
   /// neighbour_distances_on_side() has it.
@@ -92,7 +92,8 @@ class PointBlocks {
     std::vector<float> spacing;
   };
 
-  void add_near(std::size_t level, std::size_t fan, const Box& around, float reach, std::vector<std::uint32_t>& near) const;
+  void add_near(std::size_t level, std::size_t fan, const Box& around, float reach, float least,
+                std::vector<std::uint32_t>& near) const;
 
   const std::size_t size_;
   std::vector<float> x_, y_, z_, nx_, ny_, nz_, spacing_;

@@ -58,7 +58,7 @@ TEST(SurfaceWalk, GoesStraightOnInAPlane) {
     const Vec3d aim = from.position + Vec3d(step.x(), step.y(), 0);
     const SurfaceWalk::End end = walk.straight(from, step);
     const bool is_inside = std::min(aim.x(), aim.y()) > 0 && std::max(aim.x(), aim.y()) < 1;
-    ASSERT_EQ(end.is_on_border, !is_inside);
+    ASSERT_EQ(end.border == kNone, is_inside);
     ASSERT_NEAR((walk.place(end.place.face, end.place.weight_1, end.place.weight_2).position - end.place.position).norm(), 0,
                 1e-12);
     if (is_inside) {

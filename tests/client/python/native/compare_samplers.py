@@ -93,8 +93,10 @@ def fpsample_farthest(vertices: Floats, faces: Ints, points: int, seed: int) -> 
 
 SAMPLERS: dict[str, tuple[Sampler, float]] = {  # with the share of the meshes that are tried
     "curvecast, equalised": (ours, 1),
+    "curvecast, equalised, 2 rounds": (ours_relaxed(2), 1),
     "curvecast, equalised, 3 rounds": (ours_relaxed(3), 1),
     "curvecast, equalised, 10 rounds": (ours_relaxed(10), 0.1),
+    "curvecast, equalised, 60 rounds": (ours_relaxed(60), 0.1),
     "curvecast, progressive": (ours_ranked, 0.02),
     "open3d, uniform": (open3d_uniform, 1),
     "open3d, Poisson disk": (open3d_poisson, 0.1),
