@@ -62,6 +62,7 @@ int run(int argc, const char* const* argv, const AddCommands& add_commands) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv, const AddCommands& add_commands) {
+  report_crashes();
   tls::skip_cleanup_at_exit();
   try {
     return run(argc, argv, add_commands);

@@ -1,16 +1,21 @@
 #include "client/cli/signals.h"
 
+#include <execinfo.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "client/cli/exit_status.h"
 
 namespace curvecast::cli {
 namespace {
+
+constexpr unsigned kMostReport = 3;  // seconds, should what crashed hold what its report takes
 
 sigset_t set_of(std::initializer_list<int> numbers) {
   sigset_t signals;
@@ -21,7 +26,30 @@ sigset_t set_of(std::initializer_list<int> numbers) {
 
 void block(const sigset_t& signals) { pthread_sigmask(SIG_BLOCK, &signals, nullptr); }
 
+[[maybe_unused]] void on_crash(int number) {
+  ::alarm(kMostReport);
+  const char* const name = sigabbrev_np(number);
+  for (const char* text : {"curvecast: crashed, SIG", name, "; addr2line tells what stands where:\n"}) {
+    if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) break;
+  }
+  void* frames[64] = {};
+  ::backtrace_symbols_fd(frames, ::backtrace(frames, std::size(frames)), STDERR_FILENO);
+  ::raise(number);  // which ends the process now, as it would have without this
+}
+
 }  // namespace
+
+void report_crashes() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  void* first = nullptr;
+  ::backtrace(&first, 1);  // loads what it takes, which a handler must not
+  struct sigaction action = {};
+  action.sa_handler = on_crash;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) sigaction(number, &action, nullptr);
+#endif
+}
 
 SignalWatcher::SignalWatcher() {
   const sigset_t signals = set_of({SIGINT, SIGTERM});

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM as a stop token, SIGHUP as a call.
+// Ctrl-C and SIGTERM as a stop token, SIGHUP as a call, and what is told where a program crashes.
 #pragma once
 
 #include <atomic>
@@ -7,6 +7,10 @@
 #include <thread>
 
 namespace curvecast::cli {
+
+/// From now on a crash (SIGSEGV, SIGABRT and the like) writes to standard error which signal it was and the addresses of the
+/// calls that led there, before the process ends by that signal as it would have. Not under sanitisers, which tell more.
+void report_crashes();
 
 /// To be made before any other thread: it blocks the signals for the whole process and waits for them on a thread of its own. The
 /// first SIGINT or SIGTERM requests stop, the second ends the process at once with status 130.

@@ -79,7 +79,8 @@ bool Process::reap(bool block) {
   return !running_;
 }
 
-void Process::signal(int number) const {
+void Process::signal(int number) {
+  sent_ = number;
   if (running_ && pid_ > 0) ::kill(pid_, number);
 }
 
@@ -110,6 +111,9 @@ std::string Process::rest_of_line(const std::string& prefix) {
 Finished Process::finish() {
   reap(true);
   if (pid_ <= 0) return {};
+  if (WIFSIGNALED(status_) && WTERMSIG(status_) != sent_) {
+    ADD_FAILURE() << "ended by " << strsignal(WTERMSIG(status_)) << ": " << out() << err();
+  }
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), out(), err()};
 }
 

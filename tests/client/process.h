@@ -24,7 +24,7 @@ class Process {
   Process& operator=(const Process&) = delete;
   ~Process();
 
-  void signal(int number) const;
+  void signal(int number);
   pid_t pid() const { return pid_; }
   /// Waits until a whole line with `text` stands in standard output or standard error; false when the process ends or two minutes
   /// pass before.
@@ -35,6 +35,7 @@ class Process {
   /// What has been written so far.
   std::string out() const;
   std::string err() const;
+  /// A failure of the test where a signal ended it that did not come from here: a crash.
   Finished finish();
 
  private:
@@ -46,6 +47,7 @@ class Process {
   pid_t pid_ = -1;
   int status_ = -1;  // as of waitpid(), once reaped
   bool running_ = true;
+  int sent_ = 0;  // the last signal
 };
 
 /// Runs the command, or another program, to its end.
