@@ -39,7 +39,8 @@ class VoronoiCell {
   friend VoronoiCell voronoi_cell(const PointBlocks& points, std::size_t i, PointBlocks::Scratch& scratch);
 
   Vec3f x_axis_ = Vec3f::Zero(), y_axis_ = Vec3f::Zero();
-  std::array<float, kDirections> inverse_;  // of how far it goes
+  float radius_;
+  std::array<float, kDirections> inverse_;  // of how far it goes, in radii
 };
 
 /// Returns the cell of the point, around its position, among those nearer than kCellReach spacings of its own that do not face

@@ -139,6 +139,17 @@ TEST(VoronoiCellTest, SeesWhatIsSmallFromAfar) {
   EXPECT_NEAR(cells[1].area(), circle(0.1F * kCellRadius), 1e-4F);
 }
 
+TEST(VoronoiCellTest, IsTheSameAtAnyScale) {
+  const std::vector<Particle> particles = plane(10, 0.8F, 1.2F);
+  const std::vector<VoronoiCell> cells = cells_of(particles);
+  for (const float scale : {0x1p-50F, 0x1p40F}) {
+    std::vector<Particle> scaled = particles;
+    for (Particle& p : scaled) p = {scale * p.position, p.normal, scale * p.spacing};
+    const std::vector<VoronoiCell> others = cells_of(scaled);
+    for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_EQ(others[i].centre(), Vec3f(scale * cells[i].centre())) << i;
+  }
+}
+
 TEST(VoronoiCellTest, TakesAnything) {
   EXPECT_EQ(cells_of({{{0, 0, 0}, Vec3f::Zero(), 1}, {{0.5, 0, 0}, kUp, 1}})[0].centre(), Vec3f::Zero());
   for (const VoronoiCell& cell : cells_of(std::vector<Particle>(300, {{0, 0, 0}, kUp, 1}))) {  // all at one place
