@@ -61,7 +61,7 @@ int run(int argc, const char* const* argv, const AddCommands& add_commands) {
 }
 
 /// Ends the process without exit(), which destroys what libraries have for all of the process, while threads of gRPC that nobody
-/// can wait for may still use it (grpc/grpc#43440). All of ours is destroyed by now. Sanitisers look for leaks in exit().
+/// can wait for may still use it. All of ours is destroyed by now. Sanitisers look for leaks in exit().
 void skip_exit([[maybe_unused]] int status) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   std::fflush(nullptr);
