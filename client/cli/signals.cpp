@@ -34,7 +34,7 @@ void block(const sigset_t& signals) { pthread_sigmask(SIG_BLOCK, &signals, nullp
   }
   void* frames[64] = {};
   ::backtrace_symbols_fd(frames, ::backtrace(frames, std::size(frames)), STDERR_FILENO);
-  ::raise(number);  // which ends the process now, as it would have without this
+  ::raise(number);  // which ends the process once this returns, as it would have without it
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -38,7 +37,7 @@ constexpr double kMostCentred = 1;       // spacings: the rest of kMostMove is f
 constexpr int kAttempts = 3;
 // What is met of a border at a smaller angle is met in another direction, too, or only beside the cell.
 constexpr double kLeastSine = 0.8;
-constexpr std::uint64_t kBytesPerPoint = 176, kBytesPerBorder = 40;
+constexpr std::uint64_t kBytesPerPoint = 152, kBytesPerBorder = 40;
 
 /// Finds what is far from a surface's borders, by the middles of their edges.
 class Borders {
@@ -83,7 +82,6 @@ class Relaxation {
         points_(points.size()),
         places_(points.size()),
         first_(points.size()),
-        normal_(points.size()),
         spacing_(points.size()) {
     for_blocks(context, points.size(), kGrain * PointBlocks::kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -141,8 +139,7 @@ class Relaxation {
 
   void set_all() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      normal_[i] = surface_.normal(places_[i].face);
-      points_.set(i, local(places_[i]), normal_[i].cast<float>(), spacing_[i]);
+      points_.set(i, local(places_[i]), surface_.normal(places_[i].face).cast<float>(), spacing_[i]);
     }
     points_.fill_boxes();
   }
@@ -205,8 +202,7 @@ class Relaxation {
   const Vec3d origin_;
   PointBlocks points_;
   std::vector<WalkPlace> places_;
-  std::vector<Vec3d> first_;   // where they were
-  std::vector<Vec3d> normal_;  // of their faces, when set_all() was called
+  std::vector<Vec3d> first_;  // where they were
   std::vector<float> spacing_;
 };
 

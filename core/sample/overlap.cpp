@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
 #include "core/base/simd.h"
 
@@ -18,8 +17,14 @@ constexpr float kReach = kRoom * kApart;
 
 /// What the points of a block do to one.
 struct Steps {
-  PointBlocks::Sum sum;
-  float is_near[kBlock];  // above 0 where it is too near; of the last block alone
+  float x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};  // of those in each place of their blocks
+  float is_near[kBlock];                                 // above 0 where it is too near; of the last block alone
+
+  Vec3f total() const {
+    Vec3f sum = Vec3f::Zero();
+    for (std::size_t k = 0; k < kBlock; ++k) sum += Vec3f(x[k], y[k], z[k]);
+    return sum;
+  }
 };
 
 CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlocks::Point& p, float apart_behind, Steps& steps) {
@@ -35,9 +40,9 @@ CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlo
     const float along = std::sqrt(ax * ax + ay * ay + az * az + kTiny);
     const float far = std::sqrt(fast_max(wanted * wanted - height * height, 0.0F));
     const float step = kRate * fast_max(far - along, 0.0F) / along;
-    steps.sum.x[k] += step * ax;
-    steps.sum.y[k] += step * ay;
-    steps.sum.z[k] += step * az;
+    steps.x[k] += step * ax;
+    steps.y[k] += step * ay;
+    steps.z[k] += step * az;
     const float square = dx * dx + dy * dy + dz * dz;
     steps.is_near[k] = square > 0 ? least * least - square : 0;  // not the point itself
   }
@@ -46,13 +51,9 @@ CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlo
 /// Around those of some points that are awake; without a spacing where none is.
 PointBlocks::Box box_of(const PointBlocks& points, std::size_t begin, std::size_t end,
                         const std::vector<std::uint8_t>& is_awake) {
-  constexpr float kFar = std::numeric_limits<float>::max();
-  PointBlocks::Box box{Vec3f::Constant(kFar), Vec3f::Constant(-kFar), 0};
+  PointBlocks::Box box;
   for (std::size_t i = begin; i < end; ++i) {
-    if (is_awake[i] == 0) continue;
-    const PointBlocks::Point p = points.point(i);
-    const Vec3f position(p.x, p.y, p.z);
-    box = {box.low.cwiseMin(position), box.high.cwiseMax(position), std::max(box.spacing, p.spacing)};
+    if (is_awake[i] != 0) box.extend(points.point(i));
   }
   return box;
 }
@@ -86,7 +87,7 @@ Overlap find_overlap(const PointBlocks& points, std::size_t block, float apart_b
     }
     if (!overlap.is_found[k]) continue;
     wake(wakes, begin + k);
-    overlap.steps[k] = steps.sum.total();
+    overlap.steps[k] = steps.total();
   }
   return overlap;
 }

@@ -7,7 +7,6 @@ namespace curvecast {
 namespace {
 
 constexpr std::size_t kLanes = 8;  // boxes of a fan
-constexpr float kFarAway = 1e18F;  // its square is finite still
 
 CURVECAST_WIDE void mark(const PointBlocks::Point& p, float reach_in_spacings, float least, PointBlocks::Scratch& scratch) {
   const float *x0 = scratch.low[0].data(), *y0 = scratch.low[1].data(), *z0 = scratch.low[2].data();
@@ -81,21 +80,15 @@ void PointBlocks::set(std::size_t i, const Vec3f& position, const Vec3f& normal,
 
 void PointBlocks::fill_boxes() {
   for (std::size_t b = 0; b < block_count(); ++b) {
-    Box box{Vec3f::Constant(kFarAway), Vec3f::Constant(-kFarAway), 0};
-    for (std::size_t i = b * kBlock; i < b * kBlock + size_of(b); ++i) {
-      const Vec3f p(x_[i], y_[i], z_[i]);
-      box = {box.low.cwiseMin(p), box.high.cwiseMax(p), std::max(box.spacing, spacing_[i])};
-    }
+    Box box;
+    for (std::size_t i = b * kBlock; i < b * kBlock + size_of(b); ++i) box.extend(point(i));
     boxes_[0].set(b, box);
   }
   for (std::size_t level = 1; level < boxes_.size(); ++level) {
     const Boxes& below = boxes_[level - 1];
     for (std::size_t b = 0; b < boxes_[level].count; ++b) {
-      Box box = below.box(b * kFan);
-      for (std::size_t i = b * kFan + 1; i < std::min(below.count, (b + 1) * kFan); ++i) {
-        const Box one = below.box(i);
-        box = {box.low.cwiseMin(one.low), box.high.cwiseMax(one.high), std::max(box.spacing, one.spacing)};
-      }
+      Box box;
+      for (std::size_t i = b * kFan; i < std::min(below.count, (b + 1) * kFan); ++i) box.extend(below.box(i));
       boxes_[level].set(b, box);
     }
   }
@@ -105,8 +98,9 @@ void PointBlocks::move(std::size_t i, const Vec3f& position, const Vec3f& normal
   set(i, position, normal, spacing_[i]);
   std::size_t b = i / kBlock;
   for (Boxes& level : boxes_) {
-    const Box box = level.box(b);
-    level.set(b, {box.low.cwiseMin(position), box.high.cwiseMax(position), box.spacing});
+    Box box = level.box(b);
+    box.extend(point(i));
+    level.set(b, box);
     b /= kFan;
   }
 }

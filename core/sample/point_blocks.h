@@ -26,16 +26,6 @@ class PointBlocks {
   struct Columns {
     const float *x, *y, *z, *nx, *ny, *nz, *spacing;
   };
-  /// Adds up vectors that the points of a block give, each in its place.
-  struct Sum {
-    float x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
-
-    Vec3f total() const {
-      Vec3f sum = Vec3f::Zero();
-      for (std::size_t k = 0; k < kBlock; ++k) sum += Vec3f(x[k], y[k], z[k]);
-      return sum;
-    }
-  };
   /// What list_near() has found, and memory that it uses again.
   struct Scratch {
     std::vector<std::uint32_t> near;              // blocks
@@ -61,9 +51,20 @@ class PointBlocks {
   /// Sets where a point is, without fill_boxes(): its boxes grow.
   void move(std::size_t i, const Vec3f& position, const Vec3f& normal);
 
+  /// At first around nothing, with no spacing.
   struct Box {
-    Vec3f low, high;
-    float spacing;  // the largest
+    Vec3f low = Vec3f::Constant(kFarAway), high = Vec3f::Constant(-kFarAway);
+    float spacing = 0;  // the largest
+
+    void extend(const Box& other) {
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+      spacing = std::max(spacing, other.spacing);
+    }
+    void extend(const Point& point) {
+      const Vec3f position(point.x, point.y, point.z);
+      extend({position, position, point.spacing});
+    }
   };
   Box box(std::size_t block) const { return boxes_[0].box(block); }
 
@@ -78,7 +79,8 @@ class PointBlocks {
   [[gnu::always_inline]] static float alike(float cosine) { return fast_min(fast_max(1 + 2 * cosine, 0.0F), 1.0F); }
 
  private:
-  static constexpr std::size_t kFan = 8;  // boxes in a box
+  static constexpr std::size_t kFan = 8;    // boxes in a box
+  static constexpr float kFarAway = 1e18F;  // its square is finite still
 
   /// In columns, filled up to whole fans with some that nothing is near to.
   struct Boxes {
