@@ -12,6 +12,7 @@
 #include "tests/server/eventually.h"
 #include "tests/server/has_line.h"
 #include "tests/server/opened_stream.h"
+#include "tests/server/two_callers.h"
 #include "tests/server/web/http_client.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,11 +28,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::TemporaryFolder;
 using testing::write_file;
-
-// For each: printf %s "anna's" | sha256sum
-constexpr char kTokens[] =
-    "anna 8f68ce373d4607a65f1b1ce5c42eef43dcc492fdf17a5bb36bdca6d656ca21da\n"
-    "bert a1eeb16073426839c5dfabc8fc71999ccbcee5ee0ce82ca9588a528582c4bb17\n";
 
 /// One of the servers, with a cache of its own.
 struct Replica {

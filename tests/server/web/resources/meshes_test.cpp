@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/server/eventually.h"
+#include "tests/server/two_callers.h"
 #include "tests/server/web/resources/resources_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -18,11 +19,6 @@ namespace curvecast::server {
 namespace {
 
 using ::testing::HasSubstr;
-
-// For each: printf %s "anna's" | sha256sum
-constexpr char kTokens[] =
-    "anna 8f68ce373d4607a65f1b1ce5c42eef43dcc492fdf17a5bb36bdca6d656ca21da\n"
-    "bert a1eeb16073426839c5dfabc8fc71999ccbcee5ee0ce82ca9588a528582c4bb17\n";
 
 constexpr char kBegin[] = "PUT /v1/meshes/a.off HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n";
 constexpr char kEnd[] = "0\r\n\r\n";
