@@ -7,8 +7,8 @@ import dataclasses
 import io
 import os
 import pathlib
-from collections.abc import Sequence
-from typing import BinaryIO
+from collections.abc import Iterator, Sequence
+from typing import Any, BinaryIO
 
 import grpc
 import numpy.typing as npt
@@ -109,14 +109,7 @@ class Client:
         """Lists this caller's files that the server holds, meshes and what they refer to, by mesh_id, with name and size in bytes.
         A server that knows its callers by tokens or certificates tells of those only that this one sent, imported or has asked
         for, and of its own."""
-        meshes: list[v1.StoredMesh] = []
-        request = v1.ListMeshesRequest(page_size=1000)
-        while True:
-            page = self._connection.call("ListMeshes", request, self._connection.short_timeout)
-            meshes += page.meshes
-            if not page.next_page_token:
-                return meshes
-            request.page_token = page.next_page_token
+        return [mesh for page in self._pages("ListMeshes", v1.ListMeshesRequest(page_size=1000)) for mesh in page.meshes]
 
     def inspect(self, mesh: Mesh | str) -> v1.MeshInfo:
         """Tells what a mesh holds, its topology, and what repair does to it."""
@@ -176,14 +169,8 @@ class Client:
 
     def sessions(self) -> list[Session]:
         """Lists the sessions in the server's memory, by id."""
-        sessions: list[Session] = []
-        request = v1.ListSessionsRequest()
-        while True:
-            page = self._connection.call("ListSessions", request, self._connection.short_timeout)
-            sessions += [Session(self._connection, info) for info in page.sessions]
-            if not page.next_page_token:
-                return sessions
-            request.page_token = page.next_page_token
+        pages = self._pages("ListSessions", v1.ListSessionsRequest())
+        return [Session(self._connection, info) for page in pages for info in page.sessions]
 
     def measure(
         self,
@@ -232,6 +219,15 @@ class Client:
         if len(measures.sets) != len(request.sets):
             raise bad_answer(f"asked for the measures of {len(request.sets)} sets, but the server sent {len(measures.sets)}")
         return measures
+
+    def _pages(self, method: str, request: v1.ListMeshesRequest | v1.ListSessionsRequest) -> Iterator[Any]:
+        """All answers to a call that lists, each from where the one before has ended."""
+        while True:
+            page = self._connection.call(method, request, self._connection.short_timeout)
+            yield page
+            if not page.next_page_token:
+                return
+            request.page_token = page.next_page_token
 
     def _upload_path(self, path: pathlib.Path, on_progress: OnProgress | None) -> str:
         with open(path, "rb") as file:
