@@ -11,6 +11,8 @@ using Clock = std::chrono::steady_clock;
 
 // So often a job that waits looks whether its client has gone, and what is held by now.
 constexpr std::chrono::milliseconds kLook{50};
+// So often where no other job will give anything back: who has just been answered may still hold what is idle a moment later.
+constexpr int kLooksAlone = 5;
 
 }  // namespace
 
@@ -30,6 +32,7 @@ void MemoryBudget::Job::give_back(std::uint64_t bytes) {
 
 absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& what) {
   const Clock::time_point end = Clock::now() + (terms_.waits ? budget_.options_.patience : Clock::duration::zero());
+  int looks_alone = 0;
   for (;;) {
     const std::uint64_t most = budget_.most(terms_);
     std::uint64_t held = budget_.options_.held();
@@ -39,7 +42,7 @@ absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& wha
     held = budget_.options_.held();
     if (budget_.try_take(*this, bytes, most, held)) return absl::OkStatus();
     if (cancel_ != nullptr && *cancel_) return absl::CancelledError("cancelled");
-    if (!budget_.wait_for_others(*this, end)) {
+    if (!budget_.wait_for_others(*this, end, looks_alone)) {
       ++budget_.refused_;
       return absl::ResourceExhaustedError(absl::StrCat(what, "; of the ", describe_bytes(static_cast<double>(most)),
                                                        " that this server has, too many are in use; try again later"));
@@ -95,12 +98,13 @@ bool MemoryBudget::try_take(Job& job, std::uint64_t bytes, std::uint64_t most, s
   return true;
 }
 
-bool MemoryBudget::wait_for_others(const Job& job, Clock::time_point end) {
+bool MemoryBudget::wait_for_others(const Job& job, Clock::time_point end, int& looks_alone) {
   const MutexLock lock(mutex_);
   job.budget_.mutex_.assert_held();
   // Of jobs that all wait for each other one has to give up.
   const int here = job.taken_ > 0 ? 1 : 0;
-  if (active_ - blocked_ - here <= 0 || Clock::now() >= end) return false;
+  const bool is_alone = active_ - blocked_ - here <= 0;
+  if ((is_alone && ++looks_alone > kLooksAlone) || Clock::now() >= end) return false;
   blocked_ += here;
   given_back_.wait_until(mutex_, std::min(end, Clock::now() + kLook));
   blocked_ -= here;

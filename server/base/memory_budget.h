@@ -89,8 +89,9 @@ class MemoryBudget {
   bool exceeds(const Job& job, std::uint64_t bytes, std::uint64_t most) const ABSL_LOCKS_EXCLUDED(mutex_);
   /// Takes the bytes where they are there now. `held`: see Options.
   bool try_take(Job& job, std::uint64_t bytes, std::uint64_t most, std::uint64_t held) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Waits a while for others to give something back. False: none of them will, or the time is over.
-  bool wait_for_others(const Job& job, std::chrono::steady_clock::time_point end) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Waits a while for others to give something back. False: none of them will, or the time is over. `looks_alone` counts how
+  /// often none of them would.
+  bool wait_for_others(const Job& job, std::chrono::steady_clock::time_point end, int& looks_alone) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Options options_;
   std::atomic<std::uint64_t> refused_ = 0;

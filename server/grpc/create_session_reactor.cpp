@@ -61,7 +61,9 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
       response.mutable_session()->set_cached(engine_.is_cached((*session)->id));
       push(std::move(response));
     }
-    finish(to_grpc(session.status()));
+    const grpc::Status status = to_grpc(session.status());
+    session = absl::CancelledError();  // a session that somebody refers to is not idle, and the client may count on that
+    finish(status);
   }
 
   // A client that reads slowly gets the start and the newest state of every stage.

@@ -103,6 +103,22 @@ TEST_F(MemoryBudgetTest, MakesRoomFirst) {
   EXPECT_THAT(std::string(job.take(400, "four hundred").message()), HasSubstr("too many are in use; try again later"));
 }
 
+TEST_F(MemoryBudgetTest, LooksAgainForWhatIsIdleAMomentLater) {
+  held = 800;
+  int looks = 0;
+  MemoryBudget slow({.most = [] { return std::uint64_t{1000}; },
+                     .held = [this] { return held.load(); },
+                     .make_room =
+                         [&](std::uint64_t bytes) {
+                           if (++looks == 3) held -= bytes;
+                         }});
+  MemoryBudget::Job view(slow, nullptr, {.waits = false});
+  EXPECT_FALSE(view.take(400, "").ok()) << "it does not wait";
+  MemoryBudget::Job job(slow, nullptr);
+  EXPECT_TRUE(job.take(400, "").ok()) << "nobody else runs, but who has just been answered may hold a session yet";
+  EXPECT_EQ(looks, 3);
+}
+
 TEST_F(MemoryBudgetTest, WaitsForOthers) {
   auto first = std::make_unique<MemoryBudget::Job>(budget, nullptr);
   ASSERT_TRUE(first->take(700, "").ok());
