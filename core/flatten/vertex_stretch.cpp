@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/cross.h"
 #include "core/flatten/mean_value.h"
 
 namespace curvecast {
 namespace {
-
-double cross(const Vec2d& p, const Vec2d& q) { return p.x() * q.y() - p.y() * q.x(); }
 
 /// Twice the area of (u, p, q); 0 where rounding leaves its sign in doubt.
 double certain_area(const Vec2d& u, const Vec2d& p, const Vec2d& q) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/cross.h"
+
 namespace curvecast {
 namespace {
-
-double cross(const Vec2d& p, const Vec2d& q) { return p.x() * q.y() - p.y() * q.x(); }
 
 /// Twice the signed area of the part of a circle about the origin that is seen from there between p and q.
 double sector(const Vec2d& p, const Vec2d& q, double square_radius) { return square_radius * std::atan2(cross(p, q), p.dot(q)); }

@@ -7,14 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/cross.h"
 #include "core/measure/neighbours.h"
 
 namespace curvecast {
 namespace {
 
 using Polygon = std::vector<Vec2d>;  // convex, counter-clockwise
-
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Leaves of the polygon what is no farther than `offset` in the direction `normal`.
 void cut(Polygon& polygon, const Vec2d& normal, double offset) {

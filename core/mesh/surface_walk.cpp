@@ -1,6 +1,11 @@
 #include "core/mesh/surface_walk.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/base/cross.h"
 
 namespace curvecast {
 namespace {
@@ -34,6 +39,105 @@ Found nearest_on(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c)
   const double sum = va + vb + vc;
   return sum > 0 ? found(vb / sum, vc / sum, 0) : found(0, 0, 0b111);
 }
+
+/// Lays the faces that a straight way meets out in the plane of the first one, where it is a line: what is kept is the last face,
+/// and its edge that the line leaves over, from a corner on the right of it (or on it) to one on the left.
+class Layout {
+ public:
+  Layout(const TriangleMesh& mesh, const WalkPlace& from, const Vec3d& step) : mesh_(mesh) {
+    const Triangle& t = mesh.triangles[from.face];
+    const Vec3d &origin = mesh.positions[t[0]], e1 = mesh.positions[t[1]] - origin, e2 = mesh.positions[t[2]] - origin;
+    const double length = e1.norm();
+    const Vec3d x = e1 / length, up = e2 - e2.dot(x) * x;
+    const double height = up.norm();
+    is_sound_ = length > 0 && height > 0;
+    if (!is_sound_) return;
+    const std::array<Vec2d, 3> corners{Vec2d(0, 0), Vec2d(length, 0), Vec2d(e2.dot(x), height)};
+    start_ = from.weight_1 * corners[1] + from.weight_2 * corners[2];
+    way_ = Vec2d(step.dot(x), step.dot(up) / height);
+    std::array<double, 3> sides{side(corners[0]), side(corners[1]), side(corners[2])};
+    const double doubt = kDoubt * way_.norm() * (length + height);
+    for (double& on : sides) on = std::abs(on) > doubt ? on : 0;
+    // All on one side: the line touches a corner, or an edge, and goes on from the corner that is farther along it.
+    const auto least = std::min_element(sides.begin(), sides.end());
+    auto most = std::max_element(sides.begin(), sides.end());
+    if (*least > 0) *least = 0;
+    if (!(*most > 0)) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto best = static_cast<std::size_t>(most - sides.begin());
+        if (sides[i] == *most && way_.dot(corners[i] - corners[best]) > 0) most = sides.begin() + static_cast<std::ptrdiff_t>(i);
+      }
+      *most = std::numeric_limits<double>::min();
+    }
+    std::size_t k = 0;
+    while (sides[k] > 0 || !(sides[(k + 1) % 3] > 0)) ++k;
+    exit_ = 3 * from.face + static_cast<std::uint32_t>(k);
+    right_ = corners[k], left_ = corners[(k + 1) % 3], apex_ = corners[(k + 2) % 3];
+    right_side_ = sides[k], left_side_ = sides[(k + 1) % 3];
+  }
+
+  /// Whether the first face has an area.
+  bool is_sound() const { return is_sound_; }
+  std::uint32_t exit() const { return exit_; }
+  /// Whether the way ends in the last face.
+  bool has_aim() const {
+    if (beyond() < 0) return false;
+    // Where the edge lies along the line, as near as can be told, what is on the edge need not be between its ends.
+    const double left = cross(start_ + way_ - right_, apex_ - right_), area = cross(left_ - right_, apex_ - right_);
+    return left >= -kDoubt * area && left <= (1 + kDoubt) * area;
+  }
+
+  /// Goes on to the face beyond the edge, which must have one. False, and nothing done, where that has no area.
+  bool lay_next() {
+    const std::uint32_t twin = mesh_.twins[exit_];
+    const Vec3d& right = mesh_.positions[mesh_.to(twin)];
+    const Vec3d edge = mesh_.positions[mesh_.from(twin)] - right;
+    const Vec3d way = mesh_.positions[mesh_.from(previous_halfedge(twin))] - right;
+    const double scale = 1 / edge.squaredNorm(), along = scale * way.dot(edge);
+    const double away = std::sqrt(scale * (way - along * edge).squaredNorm());
+    if (!(away > 0 && std::isfinite(away))) return false;
+    const Vec2d flat = left_ - right_;
+    const Vec2d apex = right_ + along * flat + away * Vec2d(flat.y(), -flat.x());
+    if (const double on = side(apex); on > 0) {
+      apex_ = left_, left_ = apex, left_side_ = on;
+      exit_ = next_halfedge(twin);
+    } else {
+      apex_ = right_, right_ = apex, right_side_ = on;
+      exit_ = previous_halfedge(twin);
+    }
+    return true;
+  }
+
+  /// Weights of the last face's corners where the way ends.
+  std::array<double, 3> aim() const {
+    const Vec2d edge = left_ - right_, to_aim = start_ + way_ - right_, to_apex = apex_ - right_;
+    const double area = cross(edge, to_apex);
+    const double at_apex = std::clamp(beyond() / area, 0.0, 1.0);
+    return weights(std::clamp(cross(to_aim, to_apex) / area, 0.0, 1 - at_apex), at_apex);
+  }
+  /// And where it meets the edge.
+  std::array<double, 3> crossing() const { return weights(right_side_ / (right_side_ - left_side_), 0); }
+
+ private:
+  static constexpr double kDoubt = 1e-12;  // so far rounding may go, of the sizes of a face
+
+  /// Above 0: on the left of the line.
+  double side(const Vec2d& point) const { return cross(way_, point - start_); }
+  /// Below 0: the way ends beyond the edge.
+  double beyond() const { return cross(left_ - right_, start_ + way_ - right_); }
+  std::array<double, 3> weights(double left, double apex) const {
+    std::array<double, 3> all;
+    all[exit_ % 3] = std::max(0.0, 1 - left - apex), all[(exit_ + 1) % 3] = left, all[(exit_ + 2) % 3] = apex;
+    return all;
+  }
+
+  const TriangleMesh& mesh_;
+  bool is_sound_;
+  Vec2d start_, way_;
+  std::uint32_t exit_;         // a halfedge
+  Vec2d right_, left_, apex_;  // the last face's corners
+  double right_side_, left_side_;
+};
 
 }  // namespace
 
@@ -84,59 +188,27 @@ WalkPlace SurfaceWalk::nearest(std::uint32_t face, const Vec3d& point) const {
 
 SurfaceWalk::End SurfaceWalk::straight(const WalkPlace& from, const Vec3d& step) const {
   constexpr int kMostFaces = 10'000;
-  std::uint32_t face = from.face;
-  double weights[3] = {1 - from.weight_1 - from.weight_2, from.weight_1, from.weight_2};
-  Vec3d left = step;
-  std::size_t entered_beside = 3;  // the corner opposite to the edge that the walk came over: it leads away from that
-  const auto here = [&](std::uint32_t border) { return End{place(face, weights[1], weights[2]), border}; };
-  for (int i = 0; i < kMostFaces; ++i) {
-    const Triangle& corners = mesh_.triangles[face];
-    const Vec3d& a = mesh_.positions[corners[0]];
-    const Vec3d e1 = mesh_.positions[corners[1]] - a, e2 = mesh_.positions[corners[2]] - a;
-    const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), determinant = g11 * g22 - g12 * g12;
-    if (!(determinant > 0)) break;
-    const double r1 = left.dot(e1), r2 = left.dot(e2);
-    double change[3] = {0, (g22 * r1 - g12 * r2) / determinant, (g11 * r2 - g12 * r1) / determinant};
-    change[0] = -(change[1] + change[2]);
-    double part = 1;
-    std::size_t out = 3;  // the corner opposite to the edge that the walk leaves over
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (k == entered_beside || !(change[k] < 0)) continue;
-      if (const double until = std::max(0.0, weights[k]) / -change[k]; until < part) part = until, out = k;
-    }
-    for (std::size_t k = 0; k < 3; ++k) weights[k] = std::clamp(weights[k] + part * change[k], 0.0, 1.0);
-    if (out == 3) {
-      const double sum = weights[0] + weights[1] + weights[2];
-      for (double& weight : weights) weight /= sum;
-      return here(kNone);
-    }
-    const std::size_t begin = (out + 1) % 3, end = (out + 2) % 3;
-    weights[out] = 0;
-    weights[begin] = 1 - std::min(weights[end], 1.0);
-    weights[end] = 1 - weights[begin];
-    const std::uint32_t over = 3 * face + static_cast<std::uint32_t>(begin), twin = mesh_.twins[over];
-    if (twin == kNone) return here(over);
-    // What is left turns about the edge into the plane of the next face.
-    left = (1 - part) * (change[1] * e1 + change[2] * e2);
-    const Vec3d& origin = mesh_.positions[corners[begin]];
-    const Vec3d edge = mesh_.positions[corners[end]] - origin;
-    const double squared = edge.squaredNorm();
-    const std::size_t next_out = (twin % 3 + 2) % 3;
-    Vec3d inwards = mesh_.positions[mesh_.triangles[twin / 3][next_out]] - origin;
-    if (!(squared > 0)) break;
-    inwards -= inwards.dot(edge) / squared * edge;
-    const Vec3d along = left.dot(edge) / squared * edge;
-    const double length = inwards.norm();
-    if (!(length > 0)) break;
-    left = along + (left - along).norm() / length * inwards;
-    const double next[2] = {weights[end], weights[begin]};  // the twin goes the other way
-    face = twin / 3;
-    weights[next_out] = 0;
-    weights[twin % 3] = next[0];
-    weights[(twin % 3 + 1) % 3] = next[1];
-    entered_beside = next_out;
+  // As a rule the way ends in the face that it begins in.
+  const Triangle& t = mesh_.triangles[from.face];
+  const Vec3d& origin = mesh_.positions[t[0]];
+  const Vec3d e1 = mesh_.positions[t[1]] - origin, e2 = mesh_.positions[t[2]] - origin;
+  const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), r1 = step.dot(e1), r2 = step.dot(e2);
+  const double scale = 1 / (g11 * g22 - g12 * g12);
+  const double weight_1 = from.weight_1 + scale * (g22 * r1 - g12 * r2), weight_2 = from.weight_2 + scale * (g11 * r2 - g12 * r1);
+  if (weight_1 >= 0 && weight_2 >= 0 && weight_1 + weight_2 <= 1) {
+    return {{from.face, weight_1, weight_2, origin + weight_1 * e1 + weight_2 * e2}, kNone};
   }
-  return here(kNone);
+  Layout layout(mesh_, from, step);
+  if (!layout.is_sound()) return {from, kNone};
+  const auto end = [&](const std::array<double, 3>& weights, std::uint32_t border) {
+    return End{place(layout.exit() / 3, weights[1], weights[2]), border};
+  };
+  for (int i = 0; i < kMostFaces; ++i) {
+    if (layout.has_aim()) return end(layout.aim(), kNone);
+    if (mesh_.twins[layout.exit()] == kNone) return end(layout.crossing(), layout.exit());
+    if (!layout.lay_next()) break;
+  }
+  return end(layout.crossing(), kNone);
 }
 
 }  // namespace curvecast

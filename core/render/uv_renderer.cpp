@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/cross.h"
 #include "core/render/stroke_text.h"
 #include "core/render/tile_grid.h"
 
@@ -47,8 +48,6 @@ Colour colour_at(double x) {
   }
   return colour;
 }
-
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 absl::Status check(std::span<const UvDisc> discs, const UvRenderOptions& options) {
   if (discs.empty()) return absl::InvalidArgumentError("there is no disc to draw");

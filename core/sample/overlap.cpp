@@ -48,6 +48,17 @@ CURVECAST_WIDE void add_block(const PointBlocks::Columns& others, const PointBlo
   }
 }
 
+/// Whether any of them may be within kReach of the point, whatever ways they face.
+CURVECAST_WIDE bool may_be_near(const PointBlocks::Columns& others, const PointBlocks::Point& p) {
+  std::int32_t is_near = 0;
+  for (std::size_t k = 0; k < kBlock; ++k) {
+    const float dx = p.x - others.x[k], dy = p.y - others.y[k], dz = p.z - others.z[k];
+    const float most = kReach * fast_min(p.spacing, others.spacing[k]);
+    is_near |= dx * dx + dy * dy + dz * dz < most * most;
+  }
+  return is_near != 0;
+}
+
 /// Around those of some points that are awake; without a spacing where none is.
 PointBlocks::Box box_of(const PointBlocks& points, std::size_t begin, std::size_t end,
                         const std::vector<std::uint8_t>& is_awake) {
@@ -75,14 +86,14 @@ Overlap find_overlap(const PointBlocks& points, std::size_t block, float apart_b
     if (is_awake[begin + k] == 0) continue;
     const PointBlocks::Point p = points.point(begin + k);
     Steps steps;
-    PointBlocks::mark_near(p, kReach, scratch);
-    for (std::size_t n = 0; n < scratch.near.size(); ++n) {
-      if (scratch.is_near[n] == 0) continue;
-      add_block(points.columns(scratch.near[n]), p, apart_behind, steps);
+    for (const std::uint32_t near : scratch.near) {
+      const PointBlocks::Columns others = points.columns(near);
+      if (!may_be_near(others, p)) continue;
+      add_block(others, p, apart_behind, steps);
       for (std::size_t j = 0; j < kBlock; ++j) {
         if (!(steps.is_near[j] > 0)) continue;
         overlap.is_found[k] = true;
-        wake(wakes, scratch.near[n] * kBlock + j);
+        wake(wakes, near * kBlock + j);
       }
     }
     if (!overlap.is_found[k]) continue;

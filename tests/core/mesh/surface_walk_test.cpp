@@ -74,6 +74,49 @@ TEST(SurfaceWalk, GoesStraightOnInAPlane) {
   EXPECT_GT(borders, 200u);
 }
 
+TEST(SurfaceWalk, GoesStraightOnFromCornersThroughCornersAndAlongEdges) {
+  const std::size_t side = 9;
+  const TriangleMesh square = make_mesh(testing::square(side));
+  const SurfaceWalk walk(square);
+  const double edge = 1 / static_cast<double>(side);
+  std::size_t count = 0;
+  for (std::uint32_t f = 0; f < square.face_count(); ++f) {
+    for (const Vec2d& weights : {Vec2d(0, 0), Vec2d(1, 0), Vec2d(0, 1), Vec2d(0.5, 0.5), Vec2d(0.5, 0)}) {
+      const WalkPlace from = walk.place(f, weights[0], weights[1]);
+      for (int x = -2; x <= 2; ++x) {
+        for (int y = -2; y <= 2; ++y) {
+          const Vec3d aim = from.position + edge * Vec3d(x, y, 0);
+          if (std::min(aim.x(), aim.y()) < 1e-9 || std::max(aim.x(), aim.y()) > 1 - 1e-9) continue;
+          const SurfaceWalk::End end = walk.straight(from, edge * Vec3d(x, y, 0));
+          ASSERT_LT((end.place.position - aim).norm(), 1e-12) << f << " " << weights.transpose() << " " << x << " " << y;
+          ASSERT_GE(std::min(end.place.weight_1, end.place.weight_2), 0);
+          ASSERT_LE(end.place.weight_1 + end.place.weight_2, 1 + 1e-12);
+          ++count;
+        }
+      }
+    }
+  }
+  EXPECT_GT(count, 1'000u);
+}
+
+TEST(SurfaceWalk, EndsAtFacesWithoutAnArea) {
+  // The middle one of three faces has three corners on a line.
+  TriangleMesh strip;
+  strip.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {0.5, 0, 0}, {0.5, 1, 0}};
+  strip.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 4}};
+  strip.twins.assign(9, kNone);
+  const auto join = [&](std::uint32_t a, std::uint32_t b) { strip.twins[a] = b, strip.twins[b] = a; };
+  join(2, 3);
+  join(5, 6);
+  const SurfaceWalk walk(strip);
+  const SurfaceWalk::End end = walk.straight(walk.place(0, 0.4, 0.2), {0, 1, 0});
+  EXPECT_EQ(end.place.face, 0u);
+  EXPECT_EQ(end.border, kNone);
+  EXPECT_NEAR(end.place.position.y(), 0, 1e-12);
+  const WalkPlace from = walk.place(1, 0.3, 0.3);
+  EXPECT_EQ((walk.straight(from, {0, 1, 0}).place.position - from.position).norm(), 0);
+}
+
 TEST(SurfaceWalk, GoesStraightOnAroundACube) {
   // Once around four faces of a cube, from any place and in any direction, unfolded: a straight line on a strip four sides long.
   const TriangleMesh cube = make_mesh(testing::cube());
