@@ -20,9 +20,26 @@ double cotangent(double sine, double cosine) {
   return std::clamp(cosine / std::max(sine, 1e-300), -kLargestCotangent, kLargestCotangent);
 }
 
+/// A sum of the normals of faces around a vertex, by their angles there.
+struct NormalSum {
+  Vec3d sum = Vec3d::Zero();
+
+  /// `cross`: of two sides from the vertex, whose length is `twice_area`. Returns the angle between them.
+  double add(const Vec3d& cross, double twice_area, double cosine) {
+    const double angle = std::atan2(twice_area, cosine);
+    sum += angle / twice_area * cross;
+    return angle;
+  }
+  Vec3d normal() const {
+    const double length = sum.norm();
+    return length > 0 ? Vec3d(sum / length) : Vec3d::UnitZ();
+  }
+};
+
 /// What the faces around a vertex add up to.
 struct Sums {
-  Vec3d normal = Vec3d::Zero(), laplacian = Vec3d::Zero();
+  NormalSum normals;
+  Vec3d laplacian = Vec3d::Zero();
   double angle = 0, mixed_area = 0;
 
   /// The face's corner i is at the vertex. What a face has is found for each of its vertices anew: kept for all faces it would
@@ -38,9 +55,7 @@ struct Sums {
     const double cosine = to_j.dot(to_k), cosine_j = -to_j.dot(across), cosine_k = to_k.dot(across);
     const double sine_j = std::sqrt(across.cross(to_j).squaredNorm()), sine_k = std::sqrt(to_k.cross(across).squaredNorm());
     const double cotangent_j = cotangent(sine_j, cosine_j), cotangent_k = cotangent(sine_k, cosine_k);
-    const double own_angle = std::atan2(twice_area, cosine);
-    normal += own_angle / twice_area * cross;
-    angle += own_angle;
+    angle += normals.add(cross, twice_area, cosine);
     laplacian += cotangent_k * to_j + cotangent_j * to_k;
     const bool obtuse = cosine < 0 || cosine_j < 0 || cosine_k < 0;
     mixed_area +=
@@ -82,8 +97,7 @@ std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, cons
     for (std::size_t v = begin; v < end; ++v) {
       Sums sums;
       fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3)); });
-      const double length = sums.normal.norm();
-      const Vec3d normal = length > 0 ? Vec3d(sums.normal / length) : Vec3d::UnitZ();
+      const Vec3d normal = sums.normals.normal();
       geometry[v].normal = normal.cast<float>();
       if (fans.on_border(v) || !(sums.mixed_area > 0)) continue;
       const double gauss = (2 * std::numbers::pi - sums.angle) / sums.mixed_area;
@@ -97,6 +111,23 @@ std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, cons
   fill_borders(mesh, fans, &VertexGeometry::curvature_min, context, geometry);
   fill_borders(mesh, fans, &VertexGeometry::curvature_max, context, geometry);
   principal_directions(mesh, fans, context, geometry);
+  return geometry;
+}
+
+std::vector<VertexGeometry> vertex_normals(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context) {
+  std::vector<VertexGeometry> geometry(mesh.vertex_count());
+  for_blocks(context, geometry.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      NormalSum normals;
+      fans.visit(v, [&](std::uint32_t h) {
+        const Vec3d& at = mesh.positions[v];
+        const Vec3d to_j = at - mesh.positions[mesh.to(h)], to_k = at - mesh.positions[mesh.from(previous_halfedge(h))];
+        const Vec3d cross = to_j.cross(to_k);
+        normals.add(cross, std::sqrt(cross.squaredNorm()), to_j.dot(to_k));
+      });
+      geometry[v].normal = normals.normal().cast<float>();
+    }
+  });
   return geometry;
 }
 

@@ -24,6 +24,10 @@ std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh);
 std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, const VertexFans& fans,
                                                   const ExecutionContext& context);
 
+/// The same with normals alone, in a third of the time: no curvatures, and no directions that mean anything.
+std::vector<VertexGeometry> vertex_normals(const TriangleMesh& mesh, const VertexFans& fans,
+                                           const ExecutionContext& context = {});
+
 /// Returns the unit normal of a face.
 Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f);
 

@@ -227,23 +227,33 @@ void write(const Relaxation& moved, const SurfaceData& data, PointSet& points, c
 
 absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, const ExecutionContext& context) {
   if (rounds == 0 || points.size() < 2) return absl::OkStatus();
-  MemoryClaim claim(context);
   const MeshView& mesh = base.data.mesh;
-  const std::uint64_t bytes = 32 * mesh.positions.size() + 32 * mesh.triangles.size() +
-                              kBytesPerBorder * base.data.borders.size() + kBytesPerPoint * points.size();
-  const std::string what = absl::StrFormat("moving %d points apart on %d triangles takes %s of memory", points.size(),
-                                           mesh.triangles.size(), describe_bytes(static_cast<double>(bytes)));
+  const std::uint64_t bytes = 32 * mesh.positions.size() + 32 * mesh.triangles.size();
+  MemoryClaim claim(context);
+  const std::string what = absl::StrFormat("finding the neighbours of %d triangles takes %s of memory", mesh.triangles.size(),
+                                           describe_bytes(static_cast<double>(bytes)));
   if (absl::Status status = claim.set(bytes, what); !status.ok()) return status;
   if (!base.is_all_sound()) return base.status();
   const absl::StatusOr<TriangleMesh> joined = surface_mesh(mesh, base.data.borders, context);
   if (!joined.ok()) return joined.status();
-  Relaxation relaxation(*joined, points, context);
+  return move_apart(*joined, base.data, rounds, points, context);
+}
+
+absl::Status move_apart(const TriangleMesh& mesh, const SurfaceData& data, int rounds, PointSet& points,
+                        const ExecutionContext& context) {
+  if (rounds == 0 || points.size() < 2) return absl::OkStatus();
+  const std::uint64_t bytes = kBytesPerBorder * data.borders.size() + kBytesPerPoint * points.size();
+  MemoryClaim claim(context);
+  const std::string what = absl::StrFormat("moving %d points apart on %d triangles takes %s of memory", points.size(),
+                                           mesh.triangles.size(), describe_bytes(static_cast<double>(bytes)));
+  if (absl::Status status = claim.set(bytes, what); !status.ok()) return status;
+  Relaxation relaxation(mesh, points, context);
   for (int round = 0; round < rounds; ++round) {
     context.progress(kStage, static_cast<double>(round) / rounds);
     if (absl::Status status = relaxation.centre(); !status.ok()) return status;
   }
   if (absl::Status status = relaxation.part(std::min(kSweeps * rounds, kMostSweeps)); !status.ok()) return status;
-  write(relaxation, base.data, points, context);
+  write(relaxation, data, points, context);
   return context.check();
 }
 

@@ -23,4 +23,8 @@ inline constexpr double kMostMove = 1.15;
 /// once the limit is spent. The points mean nothing then. Precondition: every point has a place.
 absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, const ExecutionContext& context = {});
 
+/// The same on the mesh that `data` is of, whose neighbours are known.
+absl::Status move_apart(const TriangleMesh& mesh, const SurfaceData& data, int rounds, PointSet& points,
+                        const ExecutionContext& context = {});
+
 }  // namespace curvecast

@@ -23,6 +23,8 @@ class SplatRadius {
 
   /// Returns the radius of a point where the density has this value.
   float operator()(float density) const { return std::min(scale_ / std::sqrt(density), largest_); }
+  /// Returns the radius of a point that stands for an area, in squared units, but no more than the largest.
+  static float of_area(double area, double largest) { return static_cast<float>(std::min(kOverArea * std::sqrt(area), largest)); }
   /// Returns the area for which a point with such a radius stands, unless that is the largest.
   static double area_of_point(float radius) {
     const double side = static_cast<double>(radius) / kOverArea;

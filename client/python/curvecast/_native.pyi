@@ -52,3 +52,14 @@ class Stream:
     def frame(self, request: bytes, key_frame: bool, threads: int) -> bytes: ...
 
 def references(name: str, data: bytes, companions: Mapping[str, bytes]) -> list[str]: ...
+def scatter(
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int64],
+    colours: npt.NDArray[np.uint8] | None,
+    scalars: Mapping[str, npt.NDArray[np.float32]],
+    name: str,
+    request: bytes,
+    crease_degrees: float | None,
+    threads: int,
+    on_progress: Callable[[str, float], None] | None,
+) -> dict[str, Any]: ...

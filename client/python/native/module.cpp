@@ -2,6 +2,7 @@
 #include <absl/strings/str_format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -16,6 +17,7 @@
 #include "client/python/native/arrays.h"
 #include "client/python/native/interruptible.h"
 #include "client/python/native/local_surface.h"
+#include "client/python/native/scatter_mesh.h"
 #include "core/mesh_io/mesh_companions.h"
 #include "server/convert/convert_points.h"
 
@@ -62,10 +64,8 @@ struct FileInMemory {
   std::map<std::string, nb::bytes, std::less<>> companions;
 };
 
-/// Moves the columns out.
-nb::dict to_columns(server::Sampled& sampled, const server::PointAttributes& wanted) {
-  PointSet& points = sampled.points();
-  v1::PointAttributes more = server::to_proto(points, 0, points.size(), *sampled.curve, sampled.surface.get(), wanted);
+/// Moves the columns out that all points have.
+nb::dict to_columns(PointSet& points) {
   nb::dict out;
   out["origin"] = array_of<double>(std::vector<double>(points.origin.data(), points.origin.data() + 3));
   if (!points.colours.empty()) {
@@ -79,6 +79,14 @@ nb::dict to_columns(server::Sampled& sampled, const server::PointAttributes& wan
   out["positions"] = array_of<float>(std::move(points.positions), 3);
   out["normals"] = array_of<float>(std::move(points.normals), 3);
   out["radii"] = array_of<float>(std::move(points.radii));
+  return out;
+}
+
+/// Moves all columns out.
+nb::dict to_columns(server::Sampled& sampled, const server::PointAttributes& wanted) {
+  PointSet& points = sampled.points();
+  v1::PointAttributes more = server::to_proto(points, 0, points.size(), *sampled.curve, sampled.surface.get(), wanted);
+  nb::dict out = to_columns(points);
   if (wanted.curvatures) out["curvatures"] = array_of<float>(std::move(*more.mutable_curvatures()), 2);
   if (wanted.rank) out["ranks"] = array_of<std::uint32_t>(std::move(points.ranks));
   if (wanted.surface) {
@@ -115,14 +123,21 @@ std::vector<std::string> references(const std::string& name, const nb::bytes& by
   return *std::move(names);
 }
 
+/// Raises errors that name the mesh.
+PolygonSoup soup_of(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces, const nb::object& colours,
+                    const nb::dict& scalars, const std::string& name) {
+  absl::StatusOr<PolygonSoup> soup = to_soup(vertices, faces, colours, scalars);
+  if (!soup.ok()) raise(absl::Status(soup.status().code(), absl::StrFormat("%s: %s", name, soup.status().message())));
+  return *std::move(soup);
+}
+
 std::shared_ptr<LocalSurface> make_surface(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces,
                                            const nb::object& colours, const nb::dict& scalars, const std::string& name,
                                            const nb::bytes& options, int threads, const nb::object& on_progress) {
   const auto session = parse<v1::SessionOptions>(options);
-  absl::StatusOr<PolygonSoup> soup = to_soup(vertices, faces, colours, scalars);
-  if (!soup.ok()) raise(absl::Status(soup.status().code(), absl::StrFormat("%s: %s", name, soup.status().message())));
+  PolygonSoup soup = soup_of(vertices, faces, colours, scalars, name);
   return run_or_raise(threads, on_progress, [&](const ExecutionContext& context) {
-    return LocalSurface::make(*std::move(soup), name, session, context);
+    return LocalSurface::make(std::move(soup), name, session, context);
   });
 }
 
@@ -152,14 +167,13 @@ std::vector<nb::bytes> remesh(LocalSurface& surface, const nb::bytes& request, i
   return out;
 }
 
-/// Places on the repaired mesh, as its file has them.
-void put_places(nb::dict& out, const std::vector<FacePlace>& places, const FaceSources& sources) {
+/// Places on the file's faces.
+void put_places(nb::dict& out, const std::vector<FacePlace>& places) {
   std::vector<std::uint32_t> faces(places.size());
   std::vector<float> weights(2 * places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const FacePlace place = place_in_file(places[i], sources);
-    faces[i] = place.face;
-    weights[2 * i] = place.weight_1, weights[2 * i + 1] = place.weight_2;
+    faces[i] = places[i].face;
+    weights[2 * i] = places[i].weight_1, weights[2 * i + 1] = places[i].weight_2;
   }
   out["faces"] = array_of<std::uint32_t>(std::move(faces));
   out["barycentric"] = array_of<float>(std::move(weights), 2);
@@ -173,9 +187,27 @@ nb::dict features(LocalSurface& surface, double degrees, std::size_t points, std
   });
   nb::dict out;
   out["length"] = found.length;
-  put_places(out, found.places, surface.flattened().loaded.sources);
+  for (FacePlace& place : found.places) place = place_in_file(place, surface.flattened().loaded.sources);
+  put_places(out, found.places);
   out["positions"] = array_of<double>(std::move(found.positions), 3);
   out["normals"] = array_of<float>(std::move(found.normals), 6);
+  return out;
+}
+
+nb::dict scatter(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces, const nb::object& colours,
+                 const nb::dict& scalars, const std::string& name, const nb::bytes& request, std::optional<double> crease_degrees,
+                 int threads, const nb::object& on_progress) {
+  const auto message = parse<v1::SampleRequest>(request);
+  PolygonSoup soup = soup_of(vertices, faces, colours, scalars, name);
+  ScatteredPoints scattered = run_or_raise(threads, on_progress, [&](const ExecutionContext& context) {
+    return scatter_mesh(std::move(soup), name, message, crease_degrees, context);
+  });
+  nb::dict out = to_columns(scattered.points);
+  put_places(out, scattered.points.places);
+  if (scattered.curvatures) out["curvatures"] = array_of<float>(*std::move(scattered.curvatures), 2);
+  if (scattered.directions) out["directions"] = array_of<float>(*std::move(scattered.directions), 3);
+  for (auto& [scalar, values] : scattered.scalars)
+    out[nb::str(("scalar " + scalar).c_str())] = array_of<float>(std::move(values));
   return out;
 }
 
@@ -239,6 +271,8 @@ NB_MODULE(_native, m) {
   m.attr("Error") = nb::borrow(error_type);
   m.def("references", &references, "name"_a, "data"_a, "companions"_a,
         "The files that a mesh file refers to and that are not among the companions yet.");
+  m.def("scatter", &scatter, "vertices"_a, "faces"_a, "colours"_a.none(), "scalars"_a, "name"_a, "request"_a,
+        "crease_degrees"_a.none(), "threads"_a, "on_progress"_a.none(), "Columns by name.");
   nb::class_<LocalSurface>(m, "Surface")
       .def_static("make", &make_surface, "vertices"_a, "faces"_a, "colours"_a.none(), "scalars"_a, "name"_a, "options"_a,
                   "threads"_a, "on_progress"_a.none())

@@ -40,6 +40,14 @@ def ours_relaxed(rounds: int) -> Sampler:
     return sample
 
 
+def ours_scattered(rounds: int) -> Sampler:
+    def sample(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
+        scattered = curvecast.scatter(vertices, faces, points, seed=seed, relaxation_rounds=rounds, threads=1)
+        return scattered.world_positions()
+
+    return sample
+
+
 def ours_ranked(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
     surface = curvecast.Surface(vertices, faces, threads=1)
     return surface.sample(points, seed=seed, sampler="progressive").world_positions()
@@ -92,11 +100,13 @@ def fpsample_farthest(vertices: Floats, faces: Ints, points: int, seed: int) -> 
 
 
 SAMPLERS: dict[str, tuple[Sampler, float]] = {  # with the share of the meshes that are tried
+    "curvecast, scattered": (ours_scattered(0), 1),
+    "curvecast, scattered, 1 round": (ours_scattered(1), 1),
+    "curvecast, scattered, 2 rounds": (ours_scattered(2), 1),
+    "curvecast, scattered, 10 rounds": (ours_scattered(10), 0.1),
+    "curvecast, scattered, 60 rounds": (ours_scattered(60), 0.1),
     "curvecast, equalised": (ours, 1),
-    "curvecast, equalised, 2 rounds": (ours_relaxed(2), 1),
-    "curvecast, equalised, 3 rounds": (ours_relaxed(3), 1),
-    "curvecast, equalised, 10 rounds": (ours_relaxed(10), 0.1),
-    "curvecast, equalised, 60 rounds": (ours_relaxed(60), 0.1),
+    "curvecast, equalised, 3 rounds": (ours_relaxed(3), 0.1),
     "curvecast, progressive": (ours_ranked, 0.02),
     "open3d, uniform": (open3d_uniform, 1),
     "open3d, Poisson disk": (open3d_poisson, 0.1),
