@@ -46,35 +46,48 @@ Value mean_of(Value VertexGeometry::*value, const Weights& w, std::span<const Ve
   return w[0] * geometry[t[0]].*value + w[1] * geometry[t[1]].*value + w[2] * geometry[t[2]].*value;
 }
 
-/// A curve with a vertex at each of some places on each face: density terms need not know the difference.
-SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
-                            std::span<const ScalarAttribute> scalars, std::span<const Weights> places) {
-  SurfaceCurve curve;
-  for (const ScalarAttribute& scalar : scalars) curve.scalars.push_back({scalar.name, {}});
-  curve.resize(mesh.face_count() * places.size());
-  curve.box = bounding_box(mesh);
-  curve.origin = curve.box.center();
-  std::size_t l = 0;
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-    const Triangle& t = mesh.triangles[f];
-    const auto area = static_cast<float>(triangle_area(mesh, f) / static_cast<double>(places.size()));
-    for (const Weights& w : places) {
-      const auto mean = [&](const auto& values) { return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]]; };
-      const Vec3f place =
-          ((w[0] * mesh.positions[t[0]] + w[1] * mesh.positions[t[1]] + w[2] * mesh.positions[t[2]]) - curve.origin)
-              .cast<float>();
-      const Vec3f normal = mean_of(&VertexGeometry::normal, w, geometry, t).normalized();
-      curve.x[l] = place.x(), curve.y[l] = place.y(), curve.z[l] = place.z();
-      curve.nx[l] = normal.x(), curve.ny[l] = normal.y(), curve.nz[l] = normal.z();
-      curve.curvature_min[l] = mean_of(&VertexGeometry::curvature_min, w, geometry, t);
-      curve.curvature_max[l] = mean_of(&VertexGeometry::curvature_max, w, geometry, t);
-      curve.area[l] = area;
-      for (std::size_t s = 0; s < scalars.size(); ++s) curve.scalars[s].values[l] = mean(scalars[s].values);
-      ++l;
-    }
+/// Makes a curve with so many vertices that density terms need not know what it is.
+class CurveOfPlaces {
+ public:
+  CurveOfPlaces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry, std::span<const ScalarAttribute> scalars,
+                std::size_t places)
+      : mesh_(mesh), geometry_(geometry), scalars_(scalars) {
+    for (const ScalarAttribute& scalar : scalars) curve_.scalars.push_back({scalar.name, {}});
+    curve_.resize(places);
+    curve_.box = bounding_box(mesh);
+    curve_.origin = curve_.box.center();
+    curve_.reference_curvature = reference_curvatures(mesh, geometry, surface_area(mesh), curve_.box.diagonal());
   }
-  return curve;
-}
+
+  /// Sets vertex l: where it is, and the area that it stands for.
+  void set(std::size_t l, std::size_t face, const Weights& w, float area) {
+    const Triangle& t = mesh_.triangles[face];
+    const auto mean = [&](const auto& values) { return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]]; };
+    const Vec3f place =
+        ((w[0] * mesh_.positions[t[0]] + w[1] * mesh_.positions[t[1]] + w[2] * mesh_.positions[t[2]]) - curve_.origin)
+            .cast<float>();
+    const Vec3f normal = mean_of(&VertexGeometry::normal, w, geometry_, t).normalized();
+    curve_.x[l] = place.x(), curve_.y[l] = place.y(), curve_.z[l] = place.z();
+    curve_.nx[l] = normal.x(), curve_.ny[l] = normal.y(), curve_.nz[l] = normal.z();
+    curve_.curvature_min[l] = mean_of(&VertexGeometry::curvature_min, w, geometry_, t);
+    curve_.curvature_max[l] = mean_of(&VertexGeometry::curvature_max, w, geometry_, t);
+    curve_.area[l] = area;
+    for (std::size_t s = 0; s < scalars_.size(); ++s) curve_.scalars[s].values[l] = mean(scalars_[s].values);
+  }
+
+  /// Returns the density at all of them.
+  absl::StatusOr<std::vector<float>> evaluate(const Density& density, const ExecutionContext& context) const {
+    std::vector<float> values(curve_.size());
+    if (absl::Status status = evaluate_density(curve_, density, values, context); !status.ok()) return status;
+    return values;
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  const std::span<const VertexGeometry> geometry_;
+  const std::span<const ScalarAttribute> scalars_;
+  SurfaceCurve curve_;
+};
 
 }  // namespace
 
@@ -97,10 +110,15 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, st
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
                                                     std::size_t most_places, const ExecutionContext& context) {
   const std::vector<Weights> places = places_on_faces(mesh.face_count(), most_places);
-  SurfaceCurve curve = curve_on_faces(mesh, geometry, scalars, places);
-  curve.reference_curvature = reference_curvatures(mesh, geometry, surface_area(mesh), bounding_box(mesh).diagonal());
-  std::vector<float> values(curve.size());
-  if (absl::Status status = evaluate_density(curve, density, values, context); !status.ok()) return status;
+  CurveOfPlaces curve(mesh, geometry, scalars, mesh.face_count() * places.size());
+  std::size_t l = 0;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto area = static_cast<float>(triangle_area(mesh, f) / static_cast<double>(places.size()));
+    for (const Weights& w : places) curve.set(l++, f, w, area);
+  }
+  const absl::StatusOr<std::vector<float>> evaluated = curve.evaluate(density, context);
+  if (!evaluated.ok()) return evaluated.status();
+  const std::vector<float>& values = *evaluated;
   std::vector<float> means(mesh.face_count());
   for (std::size_t f = 0; f < means.size(); ++f) {
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(f * places.size());
@@ -108,6 +126,19 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, st
         std::accumulate(first, first + static_cast<std::ptrdiff_t>(places.size()), 0.0f) / static_cast<float>(places.size());
   }
   return means;
+}
+
+absl::StatusOr<std::vector<float>> density_at(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
+                                              std::span<const ScalarAttribute> scalars, const Density& density,
+                                              std::span<const std::uint32_t> faces, std::span<const std::array<float, 2>> weights,
+                                              const ExecutionContext& context) {
+  CurveOfPlaces curve(mesh, geometry, scalars, faces.size());
+  const auto area = static_cast<float>(surface_area(mesh) / static_cast<double>(faces.size()));
+  for (std::size_t l = 0; l < faces.size(); ++l) {
+    const auto [second, third] = weights[l];
+    curve.set(l, faces[l], {1 - second - third, second, third}, area);
+  }
+  return curve.evaluate(density, context);
 }
 
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,

@@ -30,6 +30,13 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, st
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
                                                     std::size_t most_places = kManyPlaces, const ExecutionContext& context = {});
 
+/// Returns the density at places, which all stand for about as much of the surface (relative values): on faces, by the weights of
+/// their second and third corners. Errors as of evaluate_density().
+absl::StatusOr<std::vector<float>> density_at(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
+                                              std::span<const ScalarAttribute> scalars, const Density& density,
+                                              std::span<const std::uint32_t> faces, std::span<const std::array<float, 2>> weights,
+                                              const ExecutionContext& context = {});
+
 /// Returns how many curve vertices each face wants per squared unit (F entries): `vertices` in all, spread as the density asks.
 /// Errors as of density_on_faces(); FailedPrecondition: the density is zero everywhere.
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,

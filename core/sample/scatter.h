@@ -1,12 +1,14 @@
 // Points straight on a mesh, without charts: for one set of points, where cutting and flattening the mesh would take most of the
-// time. The curve goes over the faces as they follow one another in space, and through each of them by halves; what it passes is
-// summed up and inverted, as by equalisation (paper, section 3.4).
+// time. What a curve over the faces passes is summed up and inverted, as by equalisation (paper, section 3.4).
 #pragma once
 
 #include <absl/status/statusor.h>
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "core/base/execution_context.h"
 #include "core/curve/surface_map.h"
@@ -21,12 +23,16 @@ struct ScatterOptions {
   int rounds = 0;                 // of move_apart()
 };
 
-/// Makes exactly options.points points on the mesh that `data` is of, in the order of the curve, each with its place; none has a
-/// curve vertex. `density` (F entries, at least 0, finite): of each face, relative to others'; empty: all the same. The same for
-/// any number of threads of the arena. Errors: InvalidArgument, OutOfRange: N; FailedPrecondition: the density is zero
-/// everywhere; those of move_apart(). Source of the curve in a face: Sierpinski, "Sur une nouvelle courbe continue qui remplit
-/// toute une aire plane" (1912), on triangles that are halved through their longest sides first.
-absl::StatusOr<PointSet> scatter(const TriangleMesh& mesh, const SurfaceData& data, std::span<const float> density,
+/// Returns the density at places on faces, by the weights of their second and third corners, relative to others': at least 0,
+/// finite.
+using DensityAt = std::function<absl::StatusOr<std::vector<float>>(std::span<const std::uint32_t> faces,
+                                                                   std::span<const std::array<float, 2>> weights)>;
+
+/// Makes exactly options.points points on the mesh that `data` is of, in the order of a FaceCurve, each with its place; none has
+/// a curve vertex. `density`: asked once, at a few places for each point and at one at least on each face; empty: the same
+/// everywhere. The same for any number of threads of the arena. Errors: InvalidArgument, OutOfRange: N; FailedPrecondition: the
+/// density is zero everywhere; those of `density`, of MemoryClaim and of move_apart(); Cancelled.
+absl::StatusOr<PointSet> scatter(const TriangleMesh& mesh, const SurfaceData& data, const DensityAt& density,
                                  const ScatterOptions& options, const ExecutionContext& context = {});
 
 }  // namespace curvecast

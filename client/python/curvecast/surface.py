@@ -268,8 +268,8 @@ def scatter(
     **options: Any,
 ) -> Points:
     """Places points straight on a mesh, without a Surface: scatter(vertices, faces, 16_384, relaxation_rounds=2, seed=1). For one set
-    of points: nothing is cut or flattened, which takes most of a Surface's time, and the points are at least as even. What needs a
-    curve is not to be had of them: ranks, budgets, streams, and densities that change within a face, which count as their mean on it.
+    of points: nothing is cut or flattened, which takes most of a Surface's time, and the points are at least as even. There are no
+    ranks, budgets or streams of them.
 
     vertices, faces, colours, scalars, name, crease_degrees, threads, on_progress: as of Surface. view: a number of points or a View;
     options: the fields of a View, of which sampler, sequence, budgets and encoding do not count here. Points have faces and

@@ -2,8 +2,8 @@
 
 #include <tbb/task_arena.h>
 
-#include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/base/for_all.h"
 #include "core/curve/place_attributes.h"
@@ -19,7 +19,6 @@ namespace curvecast::python {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr std::size_t kPlacesPerPoint = 4;  // at which a density is looked at
 
 /// A repaired mesh, and what is known of it.
 struct KnownMesh {
@@ -104,16 +103,14 @@ absl::StatusOr<ScatteredPoints> scatter_here(LoadedMesh loaded, const server::Po
   const bool with_curvatures = !density.terms.empty() || wanted.attributes.curvatures || wanted.attributes.directions;
   const KnownMesh mesh(std::move(loaded), with_curvatures, crease_degrees, context);
   if (absl::Status status = context.check(); !status.ok()) return status;
-  std::vector<float> density_of_face;
+  DensityAt density_here;
   if (!density.terms.empty()) {
-    const std::size_t places = std::min<std::size_t>(kPlacesPerPoint * wanted.options.points, kManyPlaces);
-    absl::StatusOr<std::vector<float>> found =
-        density_on_faces(mesh.loaded.mesh, mesh.geometry, mesh.loaded.attributes.scalars, density, places, context);
-    if (!found.ok()) return found.status();
-    density_of_face = *std::move(found);
+    density_here = [&](std::span<const std::uint32_t> faces, std::span<const std::array<float, 2>> weights) {
+      return density_at(mesh.loaded.mesh, mesh.geometry, mesh.loaded.attributes.scalars, density, faces, weights, context);
+    };
   }
   absl::StatusOr<PointSet> points =
-      scatter(mesh.loaded.mesh, mesh.data, density_of_face,
+      scatter(mesh.loaded.mesh, mesh.data, density_here,
               {.points = wanted.options.points, .seed = wanted.options.seed, .rounds = wanted.relaxation_rounds}, context);
   if (!points.ok()) return points.status();
   ScatteredPoints out = describe(*std::move(points), mesh, wanted.attributes, context);

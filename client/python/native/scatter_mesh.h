@@ -24,9 +24,9 @@ struct ScatteredPoints {
   std::vector<std::pair<std::string, std::vector<float>>> scalars;  // N each, under their names
 };
 
-/// Repairs the mesh and scatters points on it as `request` says: see scatter(). A density counts as its mean on each face.
-/// `name`: of messages. InvalidArgument: of the mesh (repair()), another budget than a number of points, a sampler or a sequence
-/// that there is none of; errors of scatter(); Cancelled.
+/// Repairs the mesh and scatters points on it as `request` says: see scatter(). `name`: of messages. InvalidArgument: of the mesh
+/// (repair()), another budget than a number of points, a sampler or a sequence that there is none of; errors of scatter();
+/// Cancelled.
 absl::StatusOr<ScatteredPoints> scatter_mesh(PolygonSoup soup, const std::string& name, const v1::SampleRequest& request,
                                              std::optional<double> crease_degrees, const ExecutionContext& context);
 

@@ -37,7 +37,7 @@ struct Surface {
   Surface(const Surface&) = delete;
   Surface& operator=(const Surface&) = delete;
 
-  PointSet scatter(const ScatterOptions& options, std::span<const float> density = {}) const {
+  PointSet scatter(const ScatterOptions& options, const DensityAt& density = {}) const {
     absl::StatusOr<PointSet> points = curvecast::scatter(mesh, data, density, options);
     EXPECT_TRUE(points.ok()) << points.status();
     return points.ok() ? *std::move(points) : PointSet();
@@ -50,6 +50,15 @@ struct Surface {
   std::vector<std::uint32_t> borders;
   SurfaceData data;
 };
+
+/// A density that is the same all over a face.
+DensityAt by_face(std::span<const float> density) {
+  return [density](std::span<const std::uint32_t> faces, std::span<const std::array<float, 2>>) {
+    std::vector<float> values;
+    for (const std::uint32_t face : faces) values.push_back(density[face]);
+    return values;
+  };
+}
 
 Vec3d position(const PointSet& points, std::size_t i) { return points.origin + points.positions[i].cast<double>(); }
 
@@ -92,8 +101,32 @@ TEST(Scatter, GivesEveryFaceItsShareToTheLastPoint) {
         ASSERT_EQ(even.places.size(), n);
         ASSERT_EQ(even.radii.size(), n);
         expect_shares(*surface, even, {});
-        expect_shares(*surface, surface->scatter({.points = n, .seed = seed}, density), density);
+        expect_shares(*surface, surface->scatter({.points = n, .seed = seed}, by_face(density)), density);
       }
+    }
+  }
+}
+
+TEST(Scatter, FollowsADensityWithinFaces) {
+  // Two triangles, and a density that grows from 0 at x = 0: the part of the points up to x is its square.
+  const Surface square(testing::square(1));
+  const Triangle* const triangles = square.mesh.triangles.data();
+  const DensityAt x_of = [&](std::span<const std::uint32_t> faces, std::span<const std::array<float, 2>> weights) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const Triangle& t = triangles[faces[i]];
+      const auto x = [&](std::size_t k) { return static_cast<float>(square.mesh.positions[t[k]].x()); };
+      values.push_back((1 - weights[i][0] - weights[i][1]) * x(0) + weights[i][0] * x(1) + weights[i][1] * x(2));
+    }
+    return values;
+  };
+  constexpr std::uint64_t kPoints = 10'000;
+  for (const int rounds : {0, 3}) {
+    const PointSet points = square.scatter({.points = kPoints, .rounds = rounds}, x_of);
+    for (const double x : {0.1, 0.25, 0.5, 0.9}) {
+      double found = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) found += position(points, i).x() < x;
+      EXPECT_NEAR(found / kPoints, x * x, 0.005) << x << " after " << rounds;
     }
   }
 }
@@ -145,7 +178,7 @@ TEST(Scatter, RadiiAreOfTheAreaThatAPointHas) {
   const Surface square(testing::square(4));
   std::vector<float> density(square.mesh.face_count(), 1);
   std::fill_n(density.begin(), density.size() / 2, 4.0F);
-  const PointSet points = square.scatter({.points = 1'000}, density);
+  const PointSet points = square.scatter({.points = 1'000}, by_face(density));
   double area = 0;
   for (const float radius : points.radii) area += SplatRadius::area_of_point(radius);
   EXPECT_NEAR(area, surface_area(square.mesh), 1e-3);
@@ -164,16 +197,17 @@ TEST(Scatter, DependsOnItsSeedAndNotOnThreads) {
 
 TEST(Scatter, SaysWhatItCannotDo) {
   const Surface cube(testing::cube());
-  const auto error = [&](const ScatterOptions& options, std::span<const float> density = {},
-                         const ExecutionContext& context = {}) {
+  const auto error = [&](const ScatterOptions& options, const DensityAt& density = {}, const ExecutionContext& context = {}) {
     return scatter(cube.mesh, cube.data, density, options, context).status();
   };
   EXPECT_EQ(error({.points = 0}).code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(error({.points = kMaxPoints + 1}).code(), absl::StatusCode::kOutOfRange);
   const std::vector<float> nothing(cube.mesh.face_count(), 0.0F);
-  const absl::Status nowhere = error({.points = 10}, nothing);
+  const absl::Status nowhere = error({.points = 10}, by_face(nothing));
   EXPECT_EQ(nowhere.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(nowhere.message()), HasSubstr("zero"));
+  const absl::Status unknown = error({.points = 10}, [](auto, auto) { return absl::NotFoundError("no such number"); });
+  EXPECT_EQ(unknown.code(), absl::StatusCode::kNotFound);
   const std::atomic<bool> cancel = true;
   EXPECT_EQ(error({.points = 10}, {}, {.cancel = &cancel}).code(), absl::StatusCode::kCancelled);
 }
