@@ -51,6 +51,7 @@ class ScatterTest(unittest.TestCase):
         for rounds in (0, 3):
             points = curvecast.scatter(loose, own, 20_000, relaxation_rounds=rounds)
             self.assertLess(lie_on(loose, own, points), 2e-6)
+            assert points.faces is not None
             self.assertGreater(len(np.unique(points.faces)), 0.99 * len(faces))
 
     def test_points_are_as_even_as_those_of_a_surface(self) -> None:
@@ -103,7 +104,9 @@ class ScatterTest(unittest.TestCase):
         found: list[curvecast.Points] = []
         threads = [
             threading.Thread(
-                target=lambda: found.append(curvecast.scatter(vertices, faces.astype(np.uint16), 20_000, relaxation_rounds=2, seed=7))
+                target=lambda: found.append(
+                    curvecast.scatter(vertices, faces.astype(np.uint16), 20_000, relaxation_rounds=2, seed=7)
+                )
             )
             for _ in range(4)
         ]
