@@ -267,14 +267,13 @@ def scatter(
     on_progress: OnProgress | None = None,
     **options: Any,
 ) -> Points:
-    """Places points straight on a mesh, without a Surface: scatter(vertices, faces, 16_384, relaxation_rounds=2, seed=1). For one set
-    of points: nothing is cut or flattened, which takes most of a Surface's time, and the points are at least as even. There are no
-    ranks, budgets or streams of them.
+    """Places points straight on a mesh, without a Surface: scatter(vertices, faces, 16_384, relaxation_rounds=2, seed=1). For one
+    set of points: nothing is cut or flattened, which takes most of a Surface's time, and the points are at least as even.
 
-    vertices, faces, colours, scalars, name, crease_degrees, threads, on_progress: as of Surface. view: a number of points or a View;
-    options: the fields of a View, of which sampler, sequence, budgets and encoding do not count here. Points have faces and
-    barycentric in any case, and are in the order of a curve over the faces as they follow one another in space. The same mesh,
-    options and seed give the same points; a seed moves all of them along the curve. Errors as of Surface and its sample()."""
+    vertices, faces, colours, scalars, name, crease_degrees, threads, on_progress: as of Surface. view: a number of points, or a
+    View without another budget, ranks or a sequence of its own; options: its fields. Points have faces and barycentric in any case,
+    and stand along a curve over the faces as they follow one another in space. The same mesh, options and seed give the same
+    points; a seed moves all of them along the curve. Errors as of Surface and its sample()."""
     _check_native()
     mesh = _mesh_arrays(vertices, faces, colours, scalars, name)
     _check_range("threads", threads, MOST_THREADS)
