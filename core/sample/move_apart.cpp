@@ -42,6 +42,11 @@ constexpr std::uint64_t kBytesPerPoint = 152, kBytesPerBorder = 40;
 /// Finds what is far from a surface's borders, by the middles of their edges.
 class Borders {
  public:
+  /// How many edges they have.
+  static std::size_t count(const TriangleMesh& mesh) {
+    return static_cast<std::size_t>(std::count(mesh.twins.begin(), mesh.twins.end(), kNone));
+  }
+
   /// Positions are relative to `origin` from then on.
   Borders(const TriangleMesh& mesh, const Vec3d& origin) : middles_(count(mesh)) {
     std::size_t i = 0;
@@ -63,10 +68,6 @@ class Borders {
   }
 
  private:
-  static std::size_t count(const TriangleMesh& mesh) {
-    return static_cast<std::size_t>(std::count(mesh.twins.begin(), mesh.twins.end(), kNone));
-  }
-
   PointBlocks middles_;
   float half_ = 0;  // of the longest edge
 };
@@ -242,7 +243,7 @@ absl::Status move_apart(const CurveBase& base, int rounds, PointSet& points, con
 absl::Status move_apart(const TriangleMesh& mesh, const SurfaceData& data, int rounds, PointSet& points,
                         const ExecutionContext& context) {
   if (rounds == 0 || points.size() < 2) return absl::OkStatus();
-  const std::uint64_t bytes = kBytesPerBorder * data.borders.size() + kBytesPerPoint * points.size();
+  const std::uint64_t bytes = kBytesPerBorder * Borders::count(mesh) + kBytesPerPoint * points.size();
   MemoryClaim claim(context);
   const std::string what = absl::StrFormat("moving %d points apart on %d triangles takes %s of memory", points.size(),
                                            mesh.triangles.size(), describe_bytes(static_cast<double>(bytes)));

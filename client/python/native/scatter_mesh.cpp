@@ -1,5 +1,6 @@
 #include "client/python/native/scatter_mesh.h"
 
+#include <absl/strings/str_format.h>
 #include <tbb/task_arena.h>
 
 #include <array>
@@ -30,11 +31,7 @@ struct KnownMesh {
     const PreprocessOptions options{.crease_degrees = crease_degrees};
     creases = crease_normals(mesh, curvecast::crease_degrees(options, loaded.info.crease_degrees), fans, context);
     if (has_colour(loaded.attributes)) colour.emplace(mesh, loaded.attributes);
-    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
-      if (mesh.twins[h] == kNone) borders.push_back(h);
-    }
     data = SurfaceData(mesh, geometry, creases, loaded.attributes, colour ? &*colour : nullptr);
-    data.borders = borders;
   }
   KnownMesh(const KnownMesh&) = delete;
   KnownMesh& operator=(const KnownMesh&) = delete;
@@ -43,11 +40,14 @@ struct KnownMesh {
   std::vector<VertexGeometry> geometry;
   CreaseNormals creases;
   std::optional<SurfaceColour> colour;
-  std::vector<std::uint32_t> borders;
   SurfaceData data;
 };
 
-absl::Status check(const v1::SampleRequest& request, const server::PointSetRequest& wanted) {
+absl::Status check(const v1::SampleRequest& request, const server::PointSetRequest& wanted,
+                   std::optional<double> crease_degrees) {
+  if (crease_degrees && !(*crease_degrees >= 0 && *crease_degrees <= 180)) {
+    return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", *crease_degrees));
+  }
   if (wanted.pixel_error > 0 || wanted.max_bytes > 0 || wanted.automatic) {
     return absl::InvalidArgumentError("points are scattered by their number, not within a budget");
   }
@@ -124,7 +124,7 @@ absl::StatusOr<ScatteredPoints> scatter_mesh(PolygonSoup soup, const std::string
                                              std::optional<double> crease_degrees, const ExecutionContext& context) {
   const absl::StatusOr<server::PointSetRequest> wanted = server::to_point_set_request(request);
   if (!wanted.ok()) return wanted.status();
-  if (absl::Status status = check(request, *wanted); !status.ok()) return status;
+  if (absl::Status status = check(request, *wanted, crease_degrees); !status.ok()) return status;
   absl::StatusOr<LoadedMesh> loaded = load_mesh(std::move(soup), name, context);
   if (!loaded.ok()) return loaded.status();
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);

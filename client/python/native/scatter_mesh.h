@@ -25,8 +25,8 @@ struct ScatteredPoints {
 };
 
 /// Repairs the mesh and scatters points on it as `request` says: see scatter(). `name`: of messages. InvalidArgument: of the mesh
-/// (repair()), another budget than a number of points, a sampler or a sequence that there is none of; errors of scatter();
-/// Cancelled.
+/// (repair()), another budget than a number of points, a sampler or a sequence that there is none of, crease_degrees that are not
+/// 0 .. 180; errors of scatter(); Cancelled.
 absl::StatusOr<ScatteredPoints> scatter_mesh(PolygonSoup soup, const std::string& name, const v1::SampleRequest& request,
                                              std::optional<double> crease_degrees, const ExecutionContext& context);
 

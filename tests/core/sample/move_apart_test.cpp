@@ -201,10 +201,13 @@ TEST(MoveApart, EndsWhereItMayNotGoOn) {
   WorkLimit limit(WorkLimit::Nanoseconds(1));
   EXPECT_TRUE(absl::IsDeadlineExceeded(move_apart(*before.base, 5, points, {.limit = &limit})));
   points = before.points;
-  CountingSource memory(1'000);
-  const absl::Status refused = move_apart(*before.base, 5, points, {.memory = &memory});
-  EXPECT_TRUE(absl::IsResourceExhausted(refused));
-  EXPECT_NE(refused.message().find("moving 2000 points apart on 1280 triangles takes"), std::string::npos) << refused;
+  for (const auto& [bytes, why] : {std::pair(1'000, "finding the neighbours of 1280 triangles takes"),
+                                   std::pair(100'000, "moving 2000 points apart on 1280 triangles takes")}) {
+    CountingSource memory(static_cast<std::uint64_t>(bytes));
+    const absl::Status refused = move_apart(*before.base, 5, points, {.memory = &memory});
+    EXPECT_TRUE(absl::IsResourceExhausted(refused));
+    EXPECT_NE(refused.message().find(why), std::string::npos) << refused;
+  }
   CountingSource enough;
   ASSERT_TRUE(move_apart(*before.base, 5, points, {.memory = &enough}).ok());
   EXPECT_EQ(enough.taken(), 0u);

@@ -28,12 +28,7 @@ struct Surface {
       : mesh(testing::make_mesh(soup)),
         geometry(vertex_normals(mesh, VertexFans(mesh))),
         creases(crease_normals(mesh)),
-        data(mesh, geometry, creases, attributes) {
-    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
-      if (mesh.twins[h] == kNone) borders.push_back(h);
-    }
-    data.borders = borders;
-  }
+        data(mesh, geometry, creases, attributes) {}
   Surface(const Surface&) = delete;
   Surface& operator=(const Surface&) = delete;
 
@@ -47,7 +42,6 @@ struct Surface {
   std::vector<VertexGeometry> geometry;
   CreaseNormals creases;
   MeshAttributes attributes;
-  std::vector<std::uint32_t> borders;
   SurfaceData data;
 };
 

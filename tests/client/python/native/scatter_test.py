@@ -145,6 +145,7 @@ class ScatterTest(unittest.TestCase):
             "no ranks": {"points": 10, "sampler": "progressive"},
             "equal steps": {"points": 10, "sequence": "golden_ratio"},
             "relaxation_rounds": {"points": 10, "relaxation_rounds": 101},
+            "crease_degrees": {"points": 10, "crease_degrees": -1},
             "no attribute 'none'": {"points": 10, "density": density.attribute("none")},
             "zero": {"points": 10, "scalars": {"none": np.zeros(30)}, "density": density.attribute("none")},
         }
