@@ -299,7 +299,7 @@ class SurfaceTest(unittest.TestCase):
             mesh, out = (os.path.join(folder, "torus.off"), os.path.join(folder, "points.npz"))
             write_off(mesh, *torus())
             said = subprocess.run(
-                [sys.executable, "-B", example, mesh, out], check=True, capture_output=True, text=True, timeout=120
+                [sys.executable, "-B", example, mesh, out], check=True, capture_output=True, text=True, timeout=900
             )
             *_, even, first, second = said.stdout.splitlines()
             self.assertLess(float(even.split()[1]), 0.3)
