@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.testing
-from shapes import cube, places, torus
+from shapes import cube, loosened, places, torus
 
 import curvecast
 from curvecast import density
@@ -41,13 +41,7 @@ class ScatterTest(unittest.TestCase):
 
     def test_faces_are_the_callers_own(self) -> None:
         vertices, faces = torus(30, 20)
-        rng = np.random.default_rng(5)
-        # Each face has vertices of its own, some are turned, some are there twice, some have no area.
-        loose = vertices[faces].reshape(-1, 3)
-        own = np.arange(len(loose)).reshape(-1, 3)
-        turned = rng.random(len(own)) < 0.3
-        own[turned] = own[turned][:, [0, 2, 1]]
-        own = np.concatenate([own[:7], own[:5], [[0, 0, 1]], own[7:]])
+        loose, own = loosened(vertices, faces)
         for rounds in (0, 3):
             points = curvecast.scatter(loose, own, 20_000, relaxation_rounds=rounds)
             self.assertLess(lie_on(loose, own, points), 2e-6)

@@ -27,6 +27,16 @@ def places(vertices: Floats, faces: Ints, of: npt.NDArray[np.uint32], weights: n
     return lie
 
 
+def loosened(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """The mesh as repair has work with it: each face has vertices of its own, some are turned, some are there twice, one has no
+    area."""
+    loose = vertices[faces].reshape(-1, 3)
+    own = np.arange(len(loose)).reshape(-1, 3)
+    turned = np.random.default_rng(5).random(len(own)) < 0.3
+    own[turned] = own[turned][:, [0, 2, 1]]
+    return loose, np.concatenate([own[:7], own[:5], [[0, 0, 1]], own[7:]])
+
+
 def write_off(path: str, vertices: Floats, faces: Ints) -> None:
     """Writes all digits."""
     with open(path, "w", encoding="ascii") as file:

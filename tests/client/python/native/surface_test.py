@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import numpy.testing
-from shapes import places, torus, write_off
+from shapes import loosened, places, torus, write_off
 
 import curvecast
 from curvecast import Camera, View, density
@@ -66,13 +66,7 @@ class SurfaceTest(unittest.TestCase):
 
     def test_faces_are_the_callers_own(self) -> None:
         vertices, faces = torus(30, 20)
-        rng = np.random.default_rng(5)
-        # Each face has vertices of its own, some are turned, some are there twice, some have no area.
-        loose = vertices[faces].reshape(-1, 3)
-        own = np.arange(len(loose)).reshape(-1, 3)
-        turned = rng.random(len(own)) < 0.3
-        own[turned] = own[turned][:, [0, 2, 1]]
-        own = np.concatenate([own[:7], own[:5], [[0, 0, 1]], own[7:]])
+        loose, own = loosened(vertices, faces)
         points = curvecast.Surface(loose, own).sample(20_000, attributes=["surface"])
         assert points.faces is not None and points.barycentric is not None
         lie = places(loose, own, points.faces, points.barycentric)
