@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/flatten/face_set.h"
+#include "core/mesh/centroid.h"
 
 namespace curvecast {
 namespace {
@@ -23,11 +24,6 @@ constexpr std::size_t kBins = 128;         // places along the axis to choose fr
 constexpr double kLeastShare = 0.8;
 // What a plane cuts off from its part stays a part by itself from this share of a part on.
 constexpr std::size_t kFragmentShare = 4;
-
-Vec3d centroid(const TriangleMesh& mesh, std::uint32_t f) {
-  const Triangle& t = mesh.triangles[f];
-  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
-}
 
 /// A plane; faces whose centroids lie below it are on its first side.
 struct Plane {

@@ -9,6 +9,7 @@
 
 #include "core/base/for_all.h"
 #include "core/base/simd.h"
+#include "core/mesh/centroid.h"
 
 namespace curvecast {
 namespace {
@@ -72,9 +73,7 @@ std::vector<std::uint32_t> face_order(const TriangleMesh& mesh, const ExecutionC
     for (std::size_t begin = block_begin; begin < block_end; begin += kBatch) {
       const std::size_t count = std::min(kBatch, block_end - begin);
       for (std::size_t k = 0; k < count; ++k) {
-        const Triangle& t = mesh.triangles[begin + k];
-        const Vec3d sum = mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]];
-        const Vec3d cell = scale * (sum / 3 - box.min);
+        const Vec3d cell = scale * (centroid(mesh, begin + k) - box.min);
         for (std::size_t axis = 0; axis < 3; ++axis) {
           cells.x[axis][k] = static_cast<std::uint32_t>(std::max(cell[static_cast<Eigen::Index>(axis)], 0.0));
         }

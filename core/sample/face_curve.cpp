@@ -7,17 +7,13 @@
 #include <utility>
 
 #include "core/base/for_all.h"
+#include "core/mesh/centroid.h"
 #include "core/mesh/face_order.h"
 
 namespace curvecast {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-
-Vec3d centroid(const TriangleMesh& mesh, std::uint32_t face) {
-  const Triangle& t = mesh.triangles[face];
-  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
-}
 
 }  // namespace
 

@@ -18,7 +18,6 @@ namespace curvecast {
 /// proportion to their area.
 class FaceWay {
  public:
-  FaceWay() = default;
   /// Along the longest side of a face, in the sense that goes rather along `direction` than against it.
   FaceWay(const TriangleMesh& mesh, std::uint32_t face, const Vec3d& direction);
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+_OnProgress = Callable[[str, float], None] | None
+
 class Error(Exception):
     """(code, message): code as gRPC numbers them."""
 
@@ -22,30 +24,19 @@ class Surface:
         name: str,
         options: bytes,
         threads: int,
-        on_progress: Callable[[str, float], None] | None,
+        on_progress: _OnProgress,
     ) -> Surface: ...
     @staticmethod
     def read(
-        name: str,
-        data: bytes,
-        companions: Mapping[str, bytes],
-        options: bytes,
-        threads: int,
-        on_progress: Callable[[str, float], None] | None,
+        name: str, data: bytes, companions: Mapping[str, bytes], options: bytes, threads: int, on_progress: _OnProgress
     ) -> Surface: ...
     def info(self) -> bytes: ...
     def sample(self, request: bytes, threads: int) -> dict[str, Any]: ...
-    def remesh(self, request: bytes, threads: int, on_progress: Callable[[str, float], None] | None) -> list[bytes]: ...
+    def remesh(self, request: bytes, threads: int, on_progress: _OnProgress) -> list[bytes]: ...
     def features(self, degrees: float, points: int, seed: int, threads: int) -> dict[str, Any]: ...
     def distances(self, points: npt.NDArray[np.float64], threads: int) -> npt.NDArray[np.float64]: ...
     def mesh(self) -> dict[str, Any]: ...
-    def measure(
-        self,
-        request: bytes,
-        sets: Sequence[npt.NDArray[np.float64]],
-        threads: int,
-        on_progress: Callable[[str, float], None] | None,
-    ) -> bytes: ...
+    def measure(self, request: bytes, sets: Sequence[npt.NDArray[np.float64]], threads: int, on_progress: _OnProgress) -> bytes: ...
 
 class Stream:
     def __init__(self, surface: Surface) -> None: ...
@@ -61,5 +52,5 @@ def scatter(
     request: bytes,
     crease_degrees: float | None,
     threads: int,
-    on_progress: Callable[[str, float], None] | None,
+    on_progress: _OnProgress,
 ) -> dict[str, Any]: ...

@@ -6,15 +6,11 @@
 #include <cmath>
 #include <vector>
 
+#include "core/mesh/centroid.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
 namespace {
-
-Vec3d centroid(const TriangleMesh& mesh, std::uint32_t face) {
-  const Triangle& t = mesh.triangles[face];
-  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
-}
 
 void expect_all_once(std::vector<std::uint32_t> order, std::size_t faces) {
   ASSERT_EQ(order.size(), faces);

@@ -28,11 +28,7 @@ import curvecast
 Sampler = Callable[[Floats, Ints, int, int], Floats]
 
 
-def ours(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
-    return curvecast.Surface(vertices, faces, threads=1).sample(points, seed=seed).world_positions()
-
-
-def ours_relaxed(rounds: int) -> Sampler:
+def ours_equalised(rounds: int) -> Sampler:
     def sample(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
         surface = curvecast.Surface(vertices, faces, threads=1)
         return surface.sample(points, seed=seed, relaxation_rounds=rounds).world_positions()
@@ -105,8 +101,8 @@ SAMPLERS: dict[str, tuple[Sampler, float]] = {  # with the share of the meshes t
     "curvecast, scattered, 2 rounds": (ours_scattered(2), 1),
     "curvecast, scattered, 10 rounds": (ours_scattered(10), 0.1),
     "curvecast, scattered, 60 rounds": (ours_scattered(60), 0.1),
-    "curvecast, equalised": (ours, 1),
-    "curvecast, equalised, 3 rounds": (ours_relaxed(3), 0.1),
+    "curvecast, equalised": (ours_equalised(0), 1),
+    "curvecast, equalised, 3 rounds": (ours_equalised(3), 0.1),
     "curvecast, progressive": (ours_ranked, 0.02),
     "open3d, uniform": (open3d_uniform, 1),
     "open3d, Poisson disk": (open3d_poisson, 0.1),
