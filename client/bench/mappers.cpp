@@ -1,13 +1,13 @@
 #include "client/bench/mappers.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/task_arena.h>
 
 #include <vector>
 
 #include "client/bench/disc_leaves.h"
 #include "client/bench/median.h"
 #include "core/base/stopwatch.h"
+#include "core/base/with_threads.h"
 #include "core/curve/surface_map.h"
 #include "core/reference/id_buffer.h"
 
@@ -69,8 +69,7 @@ absl::StatusOr<BenchReport> run(const MeshFile& file, const MappersBenchOptions&
 
 absl::StatusOr<BenchReport> bench_mappers(const MeshFile& file, const MappersBenchOptions& options,
                                           const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return run(file, options, context); });
+  return with_threads(context, [&] { return run(file, options, context); });
 }
 
 }  // namespace curvecast::cli::bench

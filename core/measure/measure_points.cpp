@@ -1,11 +1,11 @@
 #include "core/measure/measure_points.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/with_threads.h"
 #include "core/density/face_density.h"
 #include "core/measure/ball_discrepancy.h"
 #include "core/measure/coverage.h"
@@ -133,8 +133,7 @@ absl::StatusOr<MeasureReport> measure_here(const TriangleMesh& mesh, std::span<c
 
 absl::StatusOr<MeasureReport> measure_points(const TriangleMesh& mesh, std::span<const std::vector<Vec3d>> sets,
                                              const MeasureOptions& options, const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return measure_here(mesh, sets, options, context); });
+  return with_threads(context, [&] { return measure_here(mesh, sets, options, context); });
 }
 
 }  // namespace curvecast

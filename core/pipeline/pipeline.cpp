@@ -3,7 +3,6 @@
 #include <absl/strings/str_format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <optional>
 
 #include "core/base/stopwatch.h"
+#include "core/base/with_threads.h"
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
 #include "core/curve/crease_band.h"
@@ -41,9 +41,7 @@ absl::Status check(const PreprocessOptions& options) {
   if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
     return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
   }
-  if (const double degrees = crease_degrees(options, {}); !(degrees >= 0 && degrees <= 180)) {
-    return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", degrees));
-  }
+  if (absl::Status status = check_crease_degrees(options.crease_degrees); !status.ok()) return status;
   return options.mapper == Mapper::kIdBuffer ? IdBuffer::check() : absl::OkStatus();
 }
 
@@ -362,14 +360,12 @@ absl::StatusOr<Preprocessed> make_preview(const PolygonSoup& soup, PreprocessOpt
   return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
 }
 
-/// Runs the stages on as many threads as the context allows.
-template <typename Function>
-auto with_threads(const ExecutionContext& context, Function&& function) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute(std::forward<Function>(function));
-}
-
 }  // namespace
+
+absl::Status check_crease_degrees(std::optional<double> degrees) {
+  if (!degrees || (*degrees >= 0 && *degrees <= 180)) return absl::OkStatus();  // written so that a NaN fails
+  return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", *degrees));
+}
 
 absl::StatusOr<LoadedMesh> load_mesh(PolygonSoup soup, std::string_view name, const ExecutionContext& context) {
   return with_threads(context, [&]() -> absl::StatusOr<LoadedMesh> {

@@ -64,6 +64,8 @@ struct MeshInfo {
   std::vector<std::string> warnings;     // what was left out and why; whole sentences
 };
 
+/// InvalidArgument where there is an angle that is not 0 .. 180.
+absl::Status check_crease_degrees(std::optional<double> degrees);
 /// The angle at which faces meet at a crease: what is asked for, else what the file means, else kCreaseDegrees.
 inline double crease_degrees(const PreprocessOptions& options, std::optional<double> own) {
   return options.crease_degrees.value_or(own.value_or(kCreaseDegrees));

@@ -1,13 +1,13 @@
 #include "core/progressive/grow_ranks.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "core/base/for_all.h"
+#include "core/base/with_threads.h"
 
 namespace curvecast {
 namespace {
@@ -68,8 +68,7 @@ absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::make(std::shared_ptr<con
 
 std::unique_ptr<RankGrower> RankGrower::empty(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options,
                                               const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return std::unique_ptr<RankGrower>(new RankGrower(std::move(surface), options)); });
+  return with_threads(context, [&] { return std::unique_ptr<RankGrower>(new RankGrower(std::move(surface), options)); });
 }
 
 absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::restore(std::shared_ptr<const LeafSurface> surface,

@@ -1,7 +1,6 @@
 #include "core/progressive/progressive.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "core/base/for_all.h"
+#include "core/base/with_threads.h"
 #include "core/progressive/fill_free_group.h"
 
 namespace curvecast {
@@ -205,8 +205,7 @@ absl::Status check_area(const SurfaceCurve& curve) {
 }
 
 std::unique_ptr<const GroupOrder> order_of(const CurveStrata& strata, int levels, const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return std::make_unique<const GroupOrder>(strata, levels); });
+  return with_threads(context, [&] { return std::make_unique<const GroupOrder>(strata, levels); });
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 #include "core/refine/refine.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/base/with_threads.h"
 #include "core/refine/split_leaves.h"
 #include "core/refine/subdivide_all.h"
 
@@ -95,8 +94,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
 
 absl::StatusOr<RefinedCurve> refine(const CurveBase& base, const SurfaceCurve& curve, std::span<const CurveDemand> demands,
                                     const RefineOptions& options, const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return refine_here(base, curve, demands, options, context); });
+  return with_threads(context, [&] { return refine_here(base, curve, demands, options, context); });
 }
 
 }  // namespace curvecast

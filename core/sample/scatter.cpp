@@ -147,8 +147,8 @@ absl::StatusOr<PointSet> scatter(const TriangleMesh& mesh, const SurfaceData& da
   describe_points(mesh, data, points, context);
   points.has_moved = true;
   if (absl::Status status = context.check(); !status.ok()) return status;
-  if (absl::Status status = move_apart(mesh, data, options.rounds, points, context); !status.ok()) return status;
   context.progress(kStage, 1);
+  if (absl::Status status = move_apart(mesh, data, options.rounds, points, context); !status.ok()) return status;
   return points;
 }
 

@@ -18,8 +18,9 @@ class SplatRadius {
         largest_(largest(curve)),
         square_(largest_ / scale_ * (largest_ / scale_)) {}
 
-  /// Returns the largest radius of any disc: the diagonal of the box.
-  static float largest(const SurfaceCurve& curve) { return static_cast<float>(curve.box.diagonal()); }
+  /// Returns the largest radius of any disc: the diagonal of the surface's box.
+  static float largest(const Box3d& box) { return static_cast<float>(box.diagonal()); }
+  static float largest(const SurfaceCurve& curve) { return largest(curve.box); }
 
   /// Returns the radius of a point where the density has this value.
   float operator()(float density) const { return std::min(scale_ / std::sqrt(density), largest_); }

@@ -1,7 +1,6 @@
 #include "client/bench/paper/paper_bench.h"
 
 #include <absl/strings/str_cat.h>
-#include <tbb/task_arena.h>
 
 #include <array>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "client/bench/paper/ring_lines.h"
 #include "client/bench/paper/square_discs.h"
 #include "client/bench/paper/stage_times.h"
+#include "core/base/with_threads.h"
 
 namespace curvecast::cli::bench {
 namespace {
@@ -141,8 +141,8 @@ absl::StatusOr<PaperFindings> bench_paper(std::span<const PaperInput> inputs, co
                          .table_points = extent.table_points,
                          .square_points = extent.square_points,
                          .disc_radius = disc_radius(extent.square_points)};
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  const absl::Status status = arena.execute([&] { return PaperBench(extent, common, context, stop).run(inputs, findings); });
+  const absl::Status status =
+      with_threads(context, [&] { return PaperBench(extent, common, context, stop).run(inputs, findings); });
   if (!status.ok()) return status;
   return findings;
 }
