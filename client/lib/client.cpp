@@ -18,7 +18,6 @@
 #include "client/lib/companion_files.h"
 #include "client/lib/file_bytes.h"
 #include "client/lib/point_blocks.h"
-#include "client/lib/point_limit.h"
 #include "client/lib/protocol.h"
 
 namespace curvecast::client {
@@ -96,19 +95,6 @@ absl::StatusOr<std::string> sha256_of(const InputFile& file, const std::stop_tok
   is_sound = is_sound && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
   if (!is_sound) return absl::ResourceExhaustedError("out of memory for hashing");
   return to_hex(digest);
-}
-
-absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
-  DecodedSample decoded{.points = {}, .statistics = sample.statistics, .bytes = sample.bytes};
-  for (const v1::PointBlock& block : sample.blocks) {
-    absl::StatusOr<Points> points = decode_block(block);
-    if (!points.ok()) return points.status();
-    if (decoded.points.size() > 0 && points->size() > 0 && !have_same_columns(decoded.points, *points)) {
-      return absl::DataLossError("the server sent blocks of which not all have the same attributes");
-    }
-    append_points(*std::move(points), &decoded.points);
-  }
-  return decoded;
 }
 
 absl::StatusOr<Health> Client::check_health(std::chrono::milliseconds timeout, std::stop_token stop) {
@@ -288,21 +274,30 @@ absl::StatusOr<Surface> Client::get_surface(const v1::GetSurfaceRequest& request
 absl::StatusOr<EncodedSample> Client::resample_encoded(const v1::ResampleRequest& request, std::stop_token stop) {
   absl::StatusOr<std::vector<v1::ResampleResponse>> responses = connection_->resample(request, stop);
   if (!responses.ok()) return responses.status();
-  EncodedSample sample;
-  std::uint64_t points = 0;
-  for (v1::ResampleResponse& response : *responses) {
-    if (response.has_statistics()) sample.statistics = response.statistics();
-    if (!response.has_points()) continue;
-    points += response.points().count();
-    sample.bytes += encoded_bytes(response.points());
-    sample.blocks.push_back(std::move(*response.mutable_points()));
+  SampleGatherer gatherer;
+  for (v1::ResampleResponse& response : *responses) gatherer.add(response);
+  return std::move(gatherer).take(request.sample());
+}
+
+absl::StatusOr<ScatteredSample> Client::scatter(const UploadedMesh& mesh, v1::ScatterRequest request,
+                                                const StageProgress& on_progress, std::stop_token stop) {
+  request.set_mesh_id(mesh.mesh_id);
+  *request.mutable_companions() = to_proto(mesh.companions);
+  absl::StatusOr<std::vector<v1::ScatterResponse>> responses = connection_->scatter(request, forward(on_progress), stop);
+  if (!responses.ok()) return responses.status();
+  ScatteredSample out;
+  SampleGatherer gatherer;
+  for (v1::ScatterResponse& response : *responses) {
+    if (response.has_mesh()) out.mesh = std::move(*response.mutable_mesh());
+    if (response.has_points()) gatherer.add(*response.mutable_points());
   }
-  const std::uint64_t most = most_points(request.sample());
-  if (points == 0 || points > most || (points < most && is_exact(request.sample()))) {
-    return absl::DataLossError(absl::StrCat("asked for ", most, " points", is_exact(request.sample()) ? "" : " at most",
-                                            ", but the server sent ", points));
-  }
-  return sample;
+  const absl::StatusOr<EncodedSample> encoded = std::move(gatherer).take(request.sample());
+  if (!encoded.ok()) return encoded.status();
+  absl::StatusOr<DecodedSample> decoded = decode_sample(*encoded);
+  if (!decoded.ok()) return decoded.status();
+  out.sample = *std::move(decoded);
+  add_refused(mesh, &out.mesh);
+  return out;
 }
 
 absl::StatusOr<DecodedSample> Client::resample(const v1::ResampleRequest& request, std::stop_token stop) {

@@ -19,10 +19,10 @@
 #include "connection.h"
 #include "curve.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "encoded_sample.h"
 #include "mesh.h"
 #include "neighbours.h"
 #include "parameter_mesh.h"
-#include "points.h"
 
 namespace curvecast::client {
 
@@ -30,13 +30,6 @@ class InputFile;
 
 /// `stage` is "upload" or one of v1::Progress.stage; `fraction` of the stage, 0 to 1. Called from the calling thread.
 using StageProgress = std::function<void(std::string_view stage, double fraction)>;
-
-/// A point set as it came over the wire.
-struct EncodedSample {
-  std::vector<v1::PointBlock> blocks;  // consecutive along the curve, N points together
-  v1::FrameStatistics statistics;
-  std::uint64_t bytes = 0;  // of the encoded points
-};
 
 /// A mesh that the server holds, with what it refers to. A mesh_id alone is one without companions.
 struct UploadedMesh {
@@ -48,10 +41,9 @@ struct UploadedMesh {
   std::vector<std::string> refused;               // why some of these were not, though they may be there
 };
 
-struct DecodedSample {
-  Points points;  // N
-  v1::FrameStatistics statistics;
-  std::uint64_t bytes = 0;  // of the encoded points
+struct ScatteredSample {
+  DecodedSample sample;
+  v1::MeshInfo mesh;  // that the points lie on
 };
 
 /// The 32 hexadecimal digits by which servers know a mesh file: the first half of SHA-256 of its bytes.
@@ -60,8 +52,6 @@ std::string mesh_id_of(std::span<const char> bytes);
 absl::StatusOr<std::string> sha256_of(const InputFile& file, const std::stop_token& stop = {});
 /// The id of a file with this SHA-256.
 std::string mesh_id_of_sha256(std::string_view sha256);
-/// Decodes the blocks and joins them.
-absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample);
 
 /// Thread-safe. Every call blocks, and returns Cancelled soon after `stop` is requested. Errors are those of the API, see the
 /// .proto file, and of Connection; DataLoss when the server's answer makes no sense.
@@ -111,6 +101,10 @@ class Client {
   absl::StatusOr<DecodedSample> resample_refined(const v1::ResampleRequest& request, std::chrono::milliseconds patience,
                                                  std::stop_token stop = {});
   absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
+
+  /// Points straight on a mesh, without a session: see Scatter. `request`: all but the mesh.
+  absl::StatusOr<ScatteredSample> scatter(const UploadedMesh& mesh, v1::ScatterRequest request,
+                                          const StageProgress& on_progress = {}, std::stop_token stop = {});
 
   /// The neighbours of each of the points that the request asks for, checked: see decode_neighbours.
   absl::StatusOr<Neighbours> find_neighbours(const v1::FindNeighboursRequest& request, const StageProgress& on_progress = {},

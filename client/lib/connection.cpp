@@ -11,8 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "client/lib/encoded_sample.h"
 #include "client/lib/health.h"
-#include "client/lib/point_limit.h"
 #include "client/lib/protocol.h"
 #include "client/lib/retry.h"
 #include "client/lib/routing_key.h"
@@ -234,6 +234,14 @@ class GrpcConnection : public Connection {
       }
       if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
       return responses;
+    });
+  }
+
+  absl::StatusOr<std::vector<v1::ScatterResponse>> scatter(const v1::ScatterRequest& request, const OnProgress& on_progress,
+                                                           std::stop_token stop) override {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::ScatterResponse>> {
+      Call call(options_, request, stop, std::nullopt);
+      return read_all<v1::ScatterResponse>(*stub_->Scatter(call.context(), request), call, "points", on_progress);
     });
   }
 

@@ -87,6 +87,9 @@ class Connection {
   virtual absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request,
                                                                      std::stop_token stop) = 0;
   /// All messages of the answer but those of progress, in order.
+  virtual absl::StatusOr<std::vector<v1::ScatterResponse>> scatter(const v1::ScatterRequest& request,
+                                                                   const OnProgress& on_progress, std::stop_token stop) = 0;
+  /// All messages of the answer but those of progress, in order.
   virtual absl::StatusOr<std::vector<v1::FindNeighboursResponse>> find_neighbours(const v1::FindNeighboursRequest& request,
                                                                                   const OnProgress& on_progress,
                                                                                   std::stop_token stop) = 0;

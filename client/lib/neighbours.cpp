@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "client/lib/append_values.h"
+#include "client/lib/encoded_sample.h"
 #include "client/lib/point_blocks.h"
-#include "client/lib/point_limit.h"
 #include "client/lib/protocol.h"
 
 namespace curvecast::client {

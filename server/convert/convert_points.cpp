@@ -41,6 +41,21 @@ v1::PointLimit to_proto(PointLimit limit) {
 
 std::array<float, 2> weights_of(const FacePlace& place) { return {place.weight_1, place.weight_2}; }
 
+/// Where points [begin, begin + count) lie in the file.
+template <typename InFile>
+void put_places(const std::vector<FacePlace>& places, std::size_t begin, std::size_t count, const InFile& in_file,
+                v1::PointAttributes& out) {
+  std::vector<std::uint32_t> faces(count);
+  std::vector<std::array<float, 2>> weights(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const FacePlace place = in_file(places[begin + i]);
+    faces[i] = place.face;
+    weights[i] = weights_of(place);
+  }
+  out.set_faces(little_endian(faces, 0, count));
+  out.set_barycentric(little_endian(weights, 0, count));
+}
+
 }  // namespace
 
 v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
@@ -84,9 +99,8 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
   }
   if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
   if (wanted.surface) {
-    const auto place = [&](std::size_t i) { return place_in_file(points.places[i], curve.face_sources); };
-    out.set_faces(column([&](std::size_t i) { return place(i).face; }));
-    out.set_barycentric(column([&](std::size_t i) { return weights_of(place(i)); }));
+    const auto in_file = [&](const FacePlace& place) { return place_in_file(place, curve.face_sources); };
+    put_places(points.places, begin, count, in_file, out);
   }
   if (wanted.directions) {
     out.set_directions(surface_column([&](const SurfaceData& data, const FacePlace& place, std::size_t i) {
@@ -104,7 +118,27 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
   return out;
 }
 
-absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+v1::PointAttributes to_proto(const ScatteredPoints& scattered, std::size_t begin, std::size_t count, bool places) {
+  // Of `width` numbers each.
+  const auto part = [&](const std::vector<float>& column, std::size_t width) {
+    return little_endian(column, width * begin, width * count);
+  };
+  v1::PointAttributes out;
+  if (!scattered.curvatures.empty()) out.set_curvatures(part(scattered.curvatures, 2));
+  if (!scattered.directions.empty()) out.set_directions(part(scattered.directions, 3));
+  for (const auto& [name, values] : scattered.scalars) {
+    v1::ScalarValues& scalar = *out.add_scalars();
+    scalar.set_name(name);
+    scalar.set_values(part(values, 1));
+  }
+  if (!scattered.points.ranks.empty()) out.set_ranks(little_endian(scattered.points.ranks, begin, count));
+  if (places)
+    put_places(
+        scattered.points.places, begin, count, [](const FacePlace& place) { return place; }, out);
+  return out;
+}
+
+absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const Box3d& box,
                                         const std::optional<DracoOptions>& draco) {
   v1::PointBlock block;
   block.set_count(static_cast<std::uint32_t>(count));
@@ -119,9 +153,9 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
   }
   // The session's own box, not the block's: all frames and blocks share one lattice.
   DracoOptions options = *draco;
-  options.box_min = curve.box.min - points.origin;
-  options.box_size = (curve.box.max - curve.box.min).maxCoeff();
-  options.radius_max = static_cast<double>(SplatRadius::largest(curve));
+  options.box_min = box.min - points.origin;
+  options.box_size = (box.max - box.min).maxCoeff();
+  options.radius_max = static_cast<double>(SplatRadius::largest(box));
   float radius_min = 0, radius_max = 0;
   absl::StatusOr<std::string> data = encode_draco(points, begin, count, options, &radius_min, &radius_max);
   if (!data.ok()) return data.status();

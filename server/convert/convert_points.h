@@ -10,6 +10,7 @@
 #include "core/codec/draco_codec.h"
 #include "core/curve/leaf_surface.h"
 #include "core/curve/surface_curve.h"
+#include "core/pipeline/scatter_mesh.h"
 #include "core/progressive/rank_delta.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/convert/point_set_request.h"
@@ -38,15 +39,18 @@ struct PointSetStatistics {
 /// Converts all but `refining`, which the sender of the message decides.
 v1::FrameStatistics to_proto(const PointSetStatistics& statistics);
 
-/// Encodes points [begin, begin + count) as one block, without attributes. `curve` is the one that they were sampled from. Not
+/// Encodes points [begin, begin + count) as one block, without attributes. `box` is that of the surface that they lie on. Not
 /// `draco`: as raw floats. Errors as of encode_draco().
-absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const Box3d& box,
                                         const std::optional<DracoOptions>& draco);
 
 /// Encodes the attributes `wanted` of points [begin, begin + count), which have places where these are needed. `surface` is that
 /// below the curve, null where it is not needed. Whoever gave it looks at its status() before the answer is used.
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                              const LeafSurface* surface, const PointAttributes& wanted);
+
+/// Encodes the attributes of scattered points [begin, begin + count): what was found of them and, with `places`, where they lie.
+v1::PointAttributes to_proto(const ScatteredPoints& scattered, std::size_t begin, std::size_t count, bool places);
 
 /// Converts the changes of a list of points to differences of indices; `curve` is the one that has the ranks.
 v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve);

@@ -70,7 +70,7 @@ absl::Status make_mesh_chunks(const SessionMesh& mesh, const SurfaceCurve& curve
   const std::size_t most = kChunkMeshBytes / (kVertexBytes + sizeof(float) * scalars.size());
   for (std::size_t begin = 0; begin < vertices.size(); begin += most) {
     const std::size_t count = std::min(most, vertices.size() - begin);
-    absl::StatusOr<v1::PointBlock> block = to_proto(vertices, begin, count, curve, std::nullopt);
+    absl::StatusOr<v1::PointBlock> block = to_proto(vertices, begin, count, curve.box, std::nullopt);
     if (!block.ok()) return block.status();
     *block->mutable_attributes() = to_proto(vertices, begin, count, curve, nullptr, PointAttributes{.surface = true});
     for (const ScalarAttribute& scalar : scalars) {

@@ -35,7 +35,7 @@ std::size_t data_bytes(const v1::PointBlock& block) {
 absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin, std::size_t count,
                                       const PointSetRequest& request) {
   absl::StatusOr<v1::PointBlock> block =
-      to_proto(sampled.points(), begin, count, *sampled.curve, draco_options(request, sampled.lattice));
+      to_proto(sampled.points(), begin, count, sampled.curve->box, draco_options(request, sampled.lattice));
   if (block.ok() && request.attributes != PointAttributes()) {
     *block->mutable_attributes() =
         to_proto(sampled.points(), begin, count, *sampled.curve, sampled.surface.get(), request.attributes);
@@ -59,21 +59,31 @@ std::size_t least_point_bytes(const SurfaceCurve& curve, const PointSetRequest& 
   return attributes + kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
-absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
-                                                                const PointSetRequest& request) {
-  Stopwatch watch;
-  move_origin(sampled.lattice, sampled.points());
-  const std::size_t total = sampled.points().size(), count = point_block_count(total);
+absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(
+    std::size_t points, std::size_t first, std::size_t last,
+    const std::function<absl::StatusOr<v1::PointBlock>(std::size_t begin, std::size_t count)>& encode) {
+  const std::size_t count = point_block_count(points);
   std::vector<absl::StatusOr<v1::PointBlock>> encoded(last - first, absl::UnknownError(""));
   tbb::parallel_for(first, last, [&](std::size_t b) {
-    const std::size_t begin = b * total / count;
-    encoded[b - first] = encode(sampled, begin, (b + 1) * total / count - begin, request);
+    const std::size_t begin = b * points / count;
+    encoded[b - first] = encode(begin, (b + 1) * points / count - begin);
   });
   std::vector<v1::PointBlock> blocks;
   for (absl::StatusOr<v1::PointBlock>& block : encoded) {
     if (!block.ok()) return block.status();
     blocks.push_back(*std::move(block));
   }
+  return blocks;
+}
+
+absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
+                                                                const PointSetRequest& request) {
+  Stopwatch watch;
+  move_origin(sampled.lattice, sampled.points());
+  absl::StatusOr<std::vector<v1::PointBlock>> blocks =
+      encode_blocks(sampled.points().size(), first, last,
+                    [&](std::size_t begin, std::size_t count) { return encode(sampled, begin, count, request); });
+  if (!blocks.ok()) return blocks;
   if (sampled.surface != nullptr) {
     if (absl::Status damaged = sampled.surface->status(); !damaged.ok()) return damaged;
   }

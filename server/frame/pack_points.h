@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "curvecast/v1/curvecast.pb.h"
@@ -27,6 +28,12 @@ struct Packed {
 /// They are small enough that each core of server and client has one.
 inline constexpr std::size_t kMaxPointsOfBlock = 12'500;
 inline std::size_t point_block_count(std::size_t points) { return (points + kMaxPointsOfBlock - 1) / kMaxPointsOfBlock; }
+
+/// Encodes blocks [first, last) of point_block_count(points), several at once: `encode` makes that of points [begin, begin +
+/// count).
+absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(
+    std::size_t points, std::size_t first, std::size_t last,
+    const std::function<absl::StatusOr<v1::PointBlock>(std::size_t begin, std::size_t count)>& encode);
 
 /// Encodes blocks [first, last) of point_block_count(sampled.points().size()), several at once, and adds the time to the
 /// statistics.

@@ -46,21 +46,29 @@ absl::Status emit_within(SessionSampler& sampler, const PointSetRequest& request
 
 }  // namespace
 
-absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request, bool is_improving,
-                               const std::function<bool(v1::ResampleResponse)>& emit) {
+absl::Status emit_blocks(
+    std::size_t points,
+    const std::function<absl::StatusOr<std::vector<v1::PointBlock>>(std::size_t first, std::size_t last)>& encode,
+    const PointSetStatistics& statistics, bool is_improving, const std::function<bool(v1::ResampleResponse)>& emit) {
   const BlockEmitter emitter(is_improving, emit);
-  const std::size_t count = point_block_count(sampled.points().size());
+  const std::size_t count = point_block_count(points);
   for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
-    absl::StatusOr<std::vector<v1::PointBlock>> blocks =
-        encode_point_blocks(sampled, first, std::min(first + kBlocksAtOnce, count), request);
+    absl::StatusOr<std::vector<v1::PointBlock>> blocks = encode(first, std::min(first + kBlocksAtOnce, count));
     if (!blocks.ok()) return blocks.status();
     for (std::size_t b = 0; b < blocks->size(); ++b) {
       const bool is_last = first + b + 1 == count;
-      absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, sampled.statistics);
-      if (!status.ok()) return status;
+      if (absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, statistics); !status.ok()) return status;
     }
   }
   return absl::OkStatus();
+}
+
+absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request, bool is_improving,
+                               const std::function<bool(v1::ResampleResponse)>& emit) {
+  return emit_blocks(
+      sampled.points().size(),
+      [&](std::size_t first, std::size_t last) { return encode_point_blocks(sampled, first, last, request); }, sampled.statistics,
+      is_improving, emit);
 }
 
 absl::Status make_point_blocks(const Session& session, const PointSetRequest& request, ViewCache& cache,

@@ -99,7 +99,7 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
     if (absl::Status damaged = (*leaves)->status(); !damaged.ok()) return damaged;
   }
   if (absl::Status moved = relax(out); !moved.ok()) return moved;
-  out.need = lattice_need(*request_, *curve_, placed);
+  out.need = lattice_need(*request_, curve_->box, placed);
   out.lattice = out.need.best;
   return out;
 }

@@ -51,22 +51,23 @@ void find(const RankSelection& selection, Nearest& nearest) {
   }
 }
 
+/// `origin`: from where the positions count.
 template <typename Points>
-LatticeNeed need_of(const PointSetRequest& request, const SurfaceCurve& curve, const Points& points) {
+LatticeNeed need_of(const PointSetRequest& request, const Box3d& box, const Vec3d& origin, const Points& points) {
   LatticeNeed need;
   if (!request.draco) return need;
   need.is_open = request.draco->position_bits == kAutomaticBits;
   need.best.bits = request.draco->position_bits;
   if (!need.is_open) return need;
-  const Vec3d size = curve.box.max - curve.box.min;
+  const Vec3d size = box.max - box.min;
   for (const Camera& camera : request.options.density.cameras) {
-    Nearest nearest{((camera.is_orthographic() ? camera.target : camera.eye) - curve.origin).cast<float>()};
+    Nearest nearest{((camera.is_orthographic() ? camera.target : camera.eye) - origin).cast<float>()};
     find(points, nearest);
     if (!nearest.is_found()) continue;
     const double pixels = pixels_per_length(camera, std::sqrt(static_cast<double>(nearest.square)), size.norm());
     if (pixels <= need.pixels) continue;
     need.pixels = pixels;
-    need.nearest = nearest.position.cast<double>() + curve.origin;
+    need.nearest = nearest.position.cast<double>() + origin;
   }
   need.best.bits = need.pixels > 0 ? position_bits_for(need.pixels, size.maxCoeff()) : kPlainPositionBits;
   if (need.best.bits > kMostCornerBits) need.best.centre = need.nearest;
@@ -86,12 +87,12 @@ ViewLattice LatticeNeed::beside(const ViewLattice& held) const {
   return is_open ? ViewLattice{.bits = best.bits, .centre = held.centre} : held;
 }
 
-LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const PointSet& points) {
-  return need_of(request, curve, points);
+LatticeNeed lattice_need(const PointSetRequest& request, const Box3d& box, const PointSet& points) {
+  return need_of(request, box, points.origin, points);
 }
 
 LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const RankSelection& selection) {
-  return need_of(request, curve, selection);
+  return need_of(request, curve.box, curve.origin, selection);
 }
 
 void move_origin(const ViewLattice& lattice, PointSet& points) {

@@ -36,8 +36,8 @@ struct LatticeNeed {
 };
 
 /// Finds the need of points, or of those that a selection shows, by the one that is nearest to a camera. Without a camera that is
-/// kPlainPositionBits.
-LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const PointSet& points);
+/// kPlainPositionBits. `box`: of the surface.
+LatticeNeed lattice_need(const PointSetRequest& request, const Box3d& box, const PointSet& points);
 LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const RankSelection& selection);
 
 /// Has the positions of points that were just sampled count from where the lattice's do.

@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "core/pipeline/pipeline.h"
 #include "server/base/grpc_status.h"
 #include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
@@ -15,14 +14,6 @@
 
 namespace curvecast::server {
 namespace {
-
-absl::StatusOr<LoadedMesh> load(const MeshFiles& files, const ExecutionContext& context) {
-  const absl::StatusOr<MeshFile> file = files.file(context);
-  if (!file.ok()) return file.status();
-  absl::StatusOr<LoadedMesh> mesh = load_mesh(*file, context);
-  if (absl::Status status = files.status(); !status.ok()) return status;
-  return mesh;
-}
 
 struct Work {
   MeshFiles mesh;
@@ -92,7 +83,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
       if (absl::Status status = points->status(); !status.ok()) return status;
     }
     if (!sets.ok()) return sets.status();
-    const auto mesh = load(work.mesh, context);
+    const auto mesh = load_mesh(work.mesh, context);
     if (!mesh.ok()) return mesh.status();
     v1::MeasureResponse response;
     const double diagonal = mesh->info.box.diagonal();
@@ -104,7 +95,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
       *response.mutable_measures() = to_proto(*report, diagonal);
     }
     if (work.other) {
-      const auto other = load(*work.other, context);
+      const auto other = load_mesh(*work.other, context);
       if (!other.ok()) return other.status();
       const HausdorffDistance distance = hausdorff_distance(mesh->mesh, other->mesh, work.distance, context);
       if (absl::Status status = context.check(); !status.ok()) return status;

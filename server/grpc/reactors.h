@@ -21,6 +21,9 @@ grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackSer
                                                const v1::ListMeshReferencesRequest& request,
                                                v1::ListMeshReferencesResponse* response);
 
+grpc::ServerWriteReactor<v1::ScatterResponse>* scatter(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
+                                                       const v1::ScatterRequest& request);
+
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
                                                                     const Caller& caller,
                                                                     const v1::CreateSessionRequest& request);

@@ -260,6 +260,12 @@ grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, 
   });
 }
 
+grpc::ServerWriteReactor<v1::ScatterResponse>* Service::Scatter(grpc::CallbackServerContext* context,
+                                                                const v1::ScatterRequest* request) {
+  return check_caller(engine_, "Scatter", *context,
+                      [&](const Caller& caller) { return scatter(engine_, *context, caller, *request); });
+}
+
 grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
                                                                 const v1::MeasureRequest* request) {
   return check_caller(engine_, "Measure", *context,

@@ -27,6 +27,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                                v1::ListMeshReferencesResponse* response) override;
   grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* GetParameterMesh(grpc::CallbackServerContext* context,
                                                                            const v1::GetParameterMeshRequest* request) override;
+  grpc::ServerWriteReactor<v1::ScatterResponse>* Scatter(grpc::CallbackServerContext* context,
+                                                         const v1::ScatterRequest* request) override;
   grpc::ServerWriteReactor<v1::CreateSessionResponse>* CreateSession(grpc::CallbackServerContext* context,
                                                                      const v1::CreateSessionRequest* request) override;
   grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,

@@ -46,6 +46,14 @@ void MeshFiles::release_pages() const {
   for (const auto& [name, file] : companions) file->release_pages();
 }
 
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFiles& files, const ExecutionContext& context) {
+  const absl::StatusOr<MeshFile> file = files.file(context);
+  if (!file.ok()) return file.status();
+  absl::StatusOr<LoadedMesh> mesh = curvecast::load_mesh(*file, context);
+  if (absl::Status status = files.status(); !status.ok()) return status;
+  return mesh;
+}
+
 absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
                                      const google::protobuf::Map<std::string, std::string>& companions, const std::string& who) {
   if (companions.size() > kMaxCompanions) {

@@ -10,6 +10,7 @@
 
 #include "core/base/execution_context.h"
 #include "core/mesh_io/reading/mesh_file.h"
+#include "core/pipeline/pipeline.h"
 #include "server/session/mesh_store.h"
 
 namespace curvecast::server {
@@ -26,6 +27,9 @@ struct MeshFiles {
   /// Once they have been read: see MeshBytes::release_pages().
   void release_pages() const;
 };
+
+/// Reads and repairs the mesh: see curvecast::load_mesh(). Errors of file(), status() and of that. For workers.
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFiles& files, const ExecutionContext& context);
 
 /// Looks all files up that `who` may find: see MeshStore::find(). Names are only compared with those in the mesh, never with any
 /// file system. NotFound names the file that has to be uploaded (again); InvalidArgument for too many companions or names too

@@ -304,6 +304,38 @@ TEST_F(ClientTest, JoinsBlocksInOrder) {
   EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "but not none";
 }
 
+TEST_F(ClientTest, ScattersPoints) {
+  const Points points = sphere_points(10);
+  std::vector<v1::ScatterResponse> responses(2);
+  responses[0].mutable_mesh()->set_faces(80);
+  *responses[1].mutable_points()->mutable_points() = raw_block(points);
+  responses[1].mutable_points()->mutable_statistics()->set_equalise_seconds(3);
+  v1::ScatterRequest sent;
+  EXPECT_CALL(*connection_, scatter).WillRepeatedly([&](const v1::ScatterRequest& request, auto&&...) {
+    sent = request;
+    return responses;
+  });
+  UploadedMesh mesh("m");
+  mesh.companions["wood.png"] = "w";
+  mesh.refused = {"it lies elsewhere"};
+  v1::ScatterRequest request;
+  request.mutable_sample()->set_points(10);
+  const auto scattered = client_.scatter(mesh, request);
+  ASSERT_TRUE(scattered.ok()) << scattered.status();
+  EXPECT_EQ(sent.mesh_id(), "m");
+  EXPECT_EQ(sent.companions().at("wood.png"), "w");
+  EXPECT_EQ(scattered->sample.points.positions, points.positions);
+  EXPECT_EQ(scattered->sample.statistics.equalise_seconds(), 3);
+  EXPECT_EQ(scattered->mesh.faces(), 80U);
+  EXPECT_EQ(scattered->mesh.warnings(0), "it lies elsewhere.");
+  for (const std::uint64_t other : {9u, 11u}) {
+    request.mutable_sample()->set_points(other);
+    EXPECT_TRUE(absl::IsDataLoss(client_.scatter(mesh, request).status())) << "exactly as many as asked for";
+  }
+  responses.pop_back();
+  EXPECT_TRUE(absl::IsDataLoss(client_.scatter(mesh, request).status()));
+}
+
 TEST_F(ClientTest, ForwardsSessions) {
   v1::Session session;
   session.set_session_id("s");

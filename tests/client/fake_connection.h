@@ -30,6 +30,8 @@ class FakeConnection : public Connection {
   MOCK_METHOD(absl::Status, close_session, (const v1::CloseSessionRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::ResampleResponse>>, resample, (const v1::ResampleRequest&, std::stop_token),
               (override));
+  MOCK_METHOD(absl::StatusOr<std::vector<v1::ScatterResponse>>, scatter,
+              (const v1::ScatterRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::FindNeighboursResponse>>, find_neighbours,
               (const v1::FindNeighboursRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::GetCurveResponse>>, get_curve, (const v1::GetCurveRequest&, std::stop_token),

@@ -93,6 +93,7 @@ class Subject(NamedTuple):
             "ListMeshReferences": [v1.ListMeshReferencesRequest(mesh_id=mesh)],
             "InspectMesh": [v1.InspectMeshRequest(mesh_id=mesh)],
             "GetParameterMesh": [v1.GetParameterMeshRequest(mesh_id=mesh)],
+            "Scatter": [v1.ScatterRequest(mesh_id=mesh, sample=sample)],
             "CreateSession": [v1.CreateSessionRequest(mesh_id=mesh, options=v1.SessionOptions(max_points=POINTS))],
             "GetSession": [v1.GetSessionRequest(session_id=session)],
             "ListSessions": [v1.ListSessionsRequest()],

@@ -220,6 +220,20 @@ TEST_F(ServerHostileFields, Neighbours) {
   EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
 }
 
+TEST_F(ServerHostileFields, ScatteredPoints) {
+  v1::ScatterRequest request;
+  request.set_mesh_id(mesh_);
+  *request.mutable_sample() = rich_sample();
+  request.mutable_sample()->clear_sampler();
+  request.mutable_sample()->clear_sequence();
+  request.set_crease_degrees(30);
+  codes_seen_.clear();
+  for_all_changes(request, [&](auto& context, const auto& changed) {
+    return first_of<v1::ScatterResponse>(context, stub_->Scatter(&context, changed));
+  });
+  EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
+}
+
 TEST_F(ServerHostileFields, Pictures) {
   v1::RenderRequest request;
   request.set_session_id(session_);

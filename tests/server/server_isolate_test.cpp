@@ -119,6 +119,9 @@ std::map<std::string, grpc::Status> calls_of_mesh(Stub& stub, const std::string&
   auto as_companion = of_mesh<v1::CreateSessionRequest>(own_mesh);
   (*as_companion.mutable_companions())["a.bin"] = id;
   out["CreateSession, companion"] = call(stub, &Stub::CreateSession, as_companion);
+  auto scattered = of_mesh<v1::ScatterRequest>(id);
+  scattered.mutable_sample()->set_points(10);
+  out["Scatter"] = call(stub, &Stub::Scatter, scattered);
   auto measured = of_mesh<v1::MeasureRequest>(id);
   measured.add_sets()->set_points_id(own_mesh);
   out["Measure"] = call(stub, &Stub::Measure, measured);

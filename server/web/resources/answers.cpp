@@ -5,6 +5,7 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
 
+#include <cstdint>
 #include <string_view>
 #include <utility>
 
@@ -13,13 +14,21 @@
 #include "server/web/resources/query.h"
 
 namespace curvecast::server {
+namespace {
 
-std::string etag_of(const v1::Session& session, const WebRequest& request) {
+std::string etag_of(const std::string& id, std::uint64_t revision, const WebRequest& request) {
   Hasher hasher;
-  hasher.update(absl::StrCat(build_info().version, "\n", session.session_id(), "\n", session.curve_revision(), "\n", request.path,
-                             "?", request.query));
+  hasher.update(absl::StrCat(build_info().version, "\n", id, "\n", revision, "\n", request.path, "?", request.query));
   return absl::StrCat("\"", hasher.hex(), "\"");
 }
+
+}  // namespace
+
+std::string etag_of(const v1::Session& session, const WebRequest& request) {
+  return etag_of(session.session_id(), session.curve_revision(), request);
+}
+
+std::string etag_of(const std::string& mesh_id, const WebRequest& request) { return etag_of(mesh_id, 0, request); }
 
 bool matches(const WebRequest& request, const std::string& tag) {
   for (absl::string_view known : absl::StrSplit(request.if_none_match, ',')) {
@@ -40,8 +49,8 @@ WebAnswer file_answer(std::string bytes, std::string type, const std::string& ta
   return answer;
 }
 
-std::string file_name_field(const v1::Session& session, const std::string& ending) {
-  std::string_view name = session.report().mesh().name();
+std::string file_name_field(const v1::MeshInfo& mesh, const std::string& ending) {
+  std::string_view name = mesh.name();
   name = name.substr(0, name.rfind('.'));
   return absl::StrCat("attachment; filename=\"", header_name_of(name), ".", ending, "\"");
 }

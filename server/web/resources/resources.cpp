@@ -43,20 +43,32 @@ struct Actions {
 
 using Tilesets = const std::shared_ptr<TilesetJobs>&;
 
+using GetPoints = void (*)(Resource, const std::string& id, const PointFileKind& kind);
+
+/// Points of what has this id, as a file of this ending.
+Actions points_file(const std::string& id, const std::string& ending, GetPoints get) {
+  const PointFileKind* const kind = find_point_file_kind(ending);
+  return {{{"GET", [id, kind, ending, get](Resource resource) {
+              if (kind != nullptr) return get(resource, id, *kind);
+              resource->fail(absl::NotFoundError(
+                  absl::StrCat("there are no points.", printable(ending), "; there are: ", point_file_endings())));
+            }}}};
+}
+
+/// The stem and the ending of a file.
+std::pair<std::string, std::string> parts_of(const std::string& file) { return absl::StrSplit(file, absl::MaxSplits('.', 1)); }
+
+Actions mesh_file(const std::string& id, const std::string& file) {
+  const auto [stem, ending] = parts_of(file);
+  return stem == "points" ? points_file(id, ending, get_scattered_points) : Actions();
+}
+
 Actions session_file(const std::string& id, const std::string& file, Tilesets tilesets) {
   if (file == formats::kTilesetName) {
     return {{{"GET", [id, tilesets](Resource resource) { get_tileset(resource, tilesets, id); }}}};
   }
-  const std::pair<std::string, std::string> named = absl::StrSplit(file, absl::MaxSplits('.', 1));
-  const auto& [stem, ending] = named;
-  if (stem == "points") {
-    const PointFileKind* const kind = find_point_file_kind(ending);
-    return {{{"GET", [id, kind, what = ending](Resource resource) {
-                if (kind != nullptr) return get_points(resource, id, *kind);
-                resource->fail(absl::NotFoundError(
-                    absl::StrCat("there are no points.", printable(what), "; there are: ", point_file_endings())));
-              }}}};
-  }
+  const auto [stem, ending] = parts_of(file);
+  if (stem == "points") return points_file(id, ending, get_points);
   if (stem == "picture" && (ending == "png" || ending == "jpg")) {
     const v1::PictureFormat format = ending == "png" ? v1::PICTURE_FORMAT_PNG : v1::PICTURE_FORMAT_JPEG;
     return {{{"GET", [id, format](Resource resource) { get_picture(resource, id, format); }}}};
@@ -77,6 +89,7 @@ Actions find(const std::vector<std::string>& path, Tilesets tilesets) {
     return {{{"GET", [id = path[1]](Resource resource) { get_mesh(resource, id); }},
              {"PUT", [name = path[1]](Resource resource) { put_mesh(resource, name); }}}};
   }
+  if (path.size() == 3 && first == "meshes") return mesh_file(path[1], path[2]);
   if (first != "sessions") return {};
   if (path.size() == 1) return {{{"GET", list_sessions}, {"POST", create_session}}};
   if (path.size() == 2 && !path[1].empty()) {

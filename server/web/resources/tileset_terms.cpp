@@ -8,7 +8,7 @@
 #include <cstddef>
 
 #include "proto/terms/density_term.h"
-#include "server/web/resources/points.h"
+#include "server/web/resources/points_terms.h"
 #include "server/web/resources/query.h"
 
 namespace curvecast::server {

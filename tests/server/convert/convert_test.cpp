@@ -260,7 +260,7 @@ TEST(ToProto, RawBlocksHoldTheFloatsThemselves) {
     points.radii.push_back(value / 8);
     points.vertices.push_back(i);
   }
-  const auto block = to_proto(points, 4, 3, SurfaceCurve(), std::nullopt);
+  const auto block = to_proto(points, 4, 3, Box3d(), std::nullopt);
   ASSERT_TRUE(block.ok());
   EXPECT_EQ(block->count(), 3u);
   EXPECT_EQ(block->origin().y(), 2);
@@ -283,15 +283,15 @@ TEST(ToProto, ColoursGoWithTheirPoints) {
     points.vertices.push_back(i);
     points.colours.push_back({i, 20, 200, 77});
   }
-  const auto raw = to_proto(points, 4, 2, curve, std::nullopt);
+  const auto raw = to_proto(points, 4, 2, curve.box, std::nullopt);
   ASSERT_TRUE(raw.ok());
   EXPECT_EQ(raw->raw().colours(), "\x04\x14\xc8\x05\x14\xc8");
-  const auto whole = to_proto(points, 0, 10, curve, DracoOptions());
-  const auto part = to_proto(points, 4, 2, curve, DracoOptions());
+  const auto whole = to_proto(points, 0, 10, curve.box, DracoOptions());
+  const auto part = to_proto(points, 4, 2, curve.box, DracoOptions());
   ASSERT_TRUE(whole.ok() && part.ok());
   points.colours.clear();
-  EXPECT_GT(whole->draco().data().size(), to_proto(points, 0, 10, curve, DracoOptions())->draco().data().size());
-  EXPECT_GT(part->draco().data().size(), to_proto(points, 4, 2, curve, DracoOptions())->draco().data().size());
+  EXPECT_GT(whole->draco().data().size(), to_proto(points, 0, 10, curve.box, DracoOptions())->draco().data().size());
+  EXPECT_GT(part->draco().data().size(), to_proto(points, 4, 2, curve.box, DracoOptions())->draco().data().size());
 }
 
 TEST(ToProto, SessionsSayWhatTheyAre) {

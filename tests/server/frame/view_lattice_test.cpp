@@ -53,7 +53,7 @@ TEST(ViewLattice, IsThatOfTheNearestPointWhicheverWayItIsFound) {
       EXPECT_NEAR((need.nearest - eye).norm(), nearest, 1e-6);
       EXPECT_NEAR(need.pixels * nearest, 1.3431 * 512 / std::tan(M_PI / 8), 1);
       EXPECT_EQ(need.best.bits, position_bits_for(need.pixels, 2));
-      EXPECT_EQ(need.best, lattice_need(request, *points.curve, points.points()).best);
+      EXPECT_EQ(need.best, lattice_need(request, points.curve->box, points.points()).best);
       EXPECT_EQ(need.best.centre.has_value(), need.best.bits > kMostCornerBits);
       EXPECT_TRUE(need.is_met_by(need.best));
     }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/pipeline/scatter_mesh.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -17,6 +19,15 @@ TEST(ExpectedTime, GrowsWithAllThatTakesTime) {
 TEST(ExpectedTime, OfRemeshingGrowsWithThePoints) {
   EXPECT_GT(expected_remesh_time(1000).count(), 0);
   EXPECT_GT(expected_remesh_time(2000), expected_remesh_time(1000));
+}
+
+TEST(ExpectedTime, OfScatteringGrowsWithAllThatTakesTime) {
+  const auto usual = expected_scatter_time(1'000'000, {});
+  EXPECT_GT(usual.count(), 0);
+  EXPECT_LT(usual, expected_time(1'000'000, {})) << "nothing is prepared";
+  EXPECT_GT(expected_scatter_time(2'000'000, {}), usual);
+  EXPECT_GT(expected_scatter_time(1'000'000, {.points = 1'000'000}), usual);
+  EXPECT_GT(expected_scatter_time(1'000'000, {.rounds = 10}), usual);
 }
 
 TEST(ExpectedTime, OfTheGreatestIsFinite) {
