@@ -3,11 +3,14 @@
 #include <absl/strings/str_cat.h>
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string_view>
 #include <utility>
 
+#include "client/cli/choice.h"
 #include "client/cli/common.h"
 #include "client/cli/density_term.h"
 #include "proto/terms/sample_names.h"
@@ -16,7 +19,8 @@ namespace curvecast::cli {
 namespace {
 
 constexpr int kMostCameras = 16;
-constexpr char kProgressive[] = "progressive";
+constexpr char kProgressive[] = "progressive", kScattered[] = "scattered";
+constexpr std::array<std::string_view, 3> kSamplersAndScattered = {terms::kSamplers[0], terms::kSamplers[1], kScattered};
 
 /// What the flags say; where that is nothing, one camera of which nothing is said.
 absl::StatusOr<std::vector<CameraOption>> parse_cameras(const SampleFlags& flags) {
@@ -36,6 +40,8 @@ std::string sampler_of(const SampleFlags& flags) {
   if (!flags.sampler.empty()) return flags.sampler;
   return flags.sequence.empty() ? flags.usual_sampler : "equalised";
 }
+
+bool scatters(const SampleFlags& flags) { return sampler_of(flags) == kScattered; }
 
 std::uint64_t ranks_seed(const SampleFlags& flags, std::uint64_t seed) { return sampler_of(flags) == kProgressive ? seed : 0; }
 
@@ -58,9 +64,17 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
           "--sampler", flags->sampler,
           absl::StrCat(
               "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more "
-              "points add to fewer, whatever the density); default: ",
-              flags->usual_sampler, flags->usual_sampler == kProgressive ? ", with --sequence equalised" : ""))
-      ->check(validator([](const std::string& text) { return terms::parse_sampler(text).status(); }, ""))
+              "points add to fewer, whatever the density)",
+              flags->may_scatter
+                  ? ", or scattered (straight on the faces of a mesh that is not prepared: as even as equalised, one "
+                    "set of points in a tenth of the time)"
+                  : "",
+              "; default: ", flags->usual_sampler, flags->usual_sampler == kProgressive ? ", with --sequence equalised" : ""))
+      ->check(validator(
+          [may_scatter = flags->may_scatter](const std::string& text) {
+            return may_scatter ? check_choice("sampler", text, kSamplersAndScattered) : terms::parse_sampler(text).status();
+          },
+          ""))
       ->type_name("NAME");
   command
       ->add_option(
@@ -122,13 +136,15 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
     request.set_points(flags.points);
   }
   request.set_seed(seed);
-  const absl::StatusOr<v1::Sampler> sampler = terms::parse_sampler(sampler_of(flags));
-  if (!sampler.ok()) return sampler.status();
-  request.set_sampler(*sampler);
-  const absl::StatusOr<v1::Sequence> sequence = terms::parse_sequence(sequence_of(flags));
-  if (!sequence.ok()) return sequence.status();
-  request.set_sequence(*sequence);
   request.set_relaxation_rounds(flags.relaxation_rounds);
+  if (!scatters(flags)) {
+    const absl::StatusOr<v1::Sampler> sampler = terms::parse_sampler(sampler_of(flags));
+    if (!sampler.ok()) return sampler.status();
+    request.set_sampler(*sampler);
+    const absl::StatusOr<v1::Sequence> sequence = terms::parse_sequence(sequence_of(flags));
+    if (!sequence.ok()) return sequence.status();
+    request.set_sequence(*sequence);
+  }
   if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;
 }

@@ -23,6 +23,7 @@ struct SampleFlags {
   std::uint64_t max_bytes = 0;  // above 0: instead of points
   std::vector<std::string> density;
   std::string usual_sampler = "equalised";  // of the command, where the user names neither a sampler nor a sequence
+  bool may_scatter = false;                 // the command knows the sampler "scattered", too
   std::string sampler, sequence;            // empty: not given
   std::uint32_t relaxation_rounds = 0;
   std::vector<std::string> cameras;
@@ -30,13 +31,15 @@ struct SampleFlags {
 
 /// Returns the sampler: what --sampler says, equalised for a --sequence, else the command's usual one.
 std::string sampler_of(const SampleFlags& flags);
+/// Whether points are scattered straight on the mesh, without a session.
+bool scatters(const SampleFlags& flags);
 /// Returns the seed of the session: sessions that no progressive sampler needs are the same for all seeds.
 std::uint64_t ranks_seed(const SampleFlags& flags, std::uint64_t seed);
 /// Returns the sequence of the equalised sampler.
 std::string sequence_of(const SampleFlags& flags);
 
-/// -n, --density, --sampler and --sequence; values are checked while parsing. Precondition: flags->usual_sampler is set. Returns
-/// the option -n.
+/// -n, --density, --sampler and --sequence; values are checked while parsing. Precondition: flags->usual_sampler and may_scatter
+/// are set. Returns the option -n.
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
 /// --density alone.
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);

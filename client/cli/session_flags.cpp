@@ -66,6 +66,20 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
   return omega;
 }
 
+absl::Status check_without_session(const SessionFlags& flags) {
+  const SessionFlags usual;
+  const char* const name = !flags.base_density.empty()                  ? "--base-density"
+                           : flags.omega != usual.omega                 ? "--omega"
+                           : flags.chart_faces != usual.chart_faces     ? "--chart-faces"
+                           : flags.parameteriser != usual.parameteriser ? "--parameteriser"
+                           : flags.mapper != usual.mapper               ? "--mapper"
+                           : flags.area != usual.area                   ? "--area"
+                                                                        : nullptr;
+  if (name == nullptr) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, " says how a mesh is prepared; for --sampler scattered it is not: leave one of the two out"));
+}
+
 absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points, std::uint64_t seed) {
   v1::SessionOptions options;
   options.set_max_points(points);

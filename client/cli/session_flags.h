@@ -29,6 +29,9 @@ struct SessionFlags {
 /// Returns --omega.
 CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags);
 
+/// InvalidArgument where flags were given that only say how a curve is made, for points that need none.
+absl::Status check_without_session(const SessionFlags& flags);
+
 /// `points`: N for which the curve is made. `seed`: of the progressive sampler. The flags have been checked.
 absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points, std::uint64_t seed = 0);
 

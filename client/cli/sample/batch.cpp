@@ -85,7 +85,8 @@ absl::StatusOr<bool> Batch::is_current(const PlannedMesh& mesh, const Wanted& wa
     if (error || record.value("bytes", Json()) != bytes) return false;
   }
   const Json session = record.value("session_id", Json());
-  return common_.cache.empty() || (session.is_string() && is_cached(session.get<std::string>()));
+  return common_.cache.empty() || scatters(wanted.settings.sampling.sample) ||
+         (session.is_string() && is_cached(session.get<std::string>()));
 }
 
 absl::StatusOr<Batch::Made> Batch::make(const PlannedMesh& mesh, const Wanted& wanted, const std::string& title,
@@ -97,43 +98,58 @@ absl::StatusOr<Batch::Made> Batch::make(const PlannedMesh& mesh, const Wanted& w
   ProgressBar bar(progress_style(common_.quiet) == ProgressStyle::kBar ? ProgressStyle::kBar : ProgressStyle::kNone, title);
   const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
   // A server for each mesh: no mesh leaves anything behind that takes memory, or changes the points of another one.
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(common_, caching());
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(common_, requests->scatters ? SessionCaching::kNone : caching());
   if (!host.ok()) return host.status();
-  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), mesh.path, requests->session, on_progress, stop);
-  if (!opened.ok()) return opened.status();
-  if (opened->mesh.mesh_id != client::mesh_id_of_sha256(wanted.sha256)) {
+  absl::StatusOr<SampledMesh> sampled = requests->scatters
+                                            ? scatter_on((*host)->client(), mesh.path, *requests, flags, on_progress, stop)
+                                            : sample_prepared(mesh, wanted, *requests, *host, on_progress, stop);
+  if (!sampled.ok()) return sampled.status();
+  bar.finish();
+  if (sampled->opened.mesh.mesh_id != client::mesh_id_of_sha256(wanted.sha256)) {
     return absl::FailedPreconditionError("the file was changed while it was read");
   }
-  Made made{.record = line_of(mesh)};
+  Made made{.record = line_of(mesh), .points = std::move(sampled->sample.points)};
   made.record["sha256"] = wanted.sha256;
-  made.record["session_id"] = opened->session.session_id();
+  if (!requests->scatters) made.record["session_id"] = sampled->opened.session.session_id();
   if (wanted.settings.has_points()) {
-    if (caching() == SessionCaching::kKeepAll && opened->session.curve_revision() > 1) {
-      // Its curve was refined for other points, and would give others than a curve of this mesh's own.
-      host->reset();
-      host = Host::open(common_, SessionCaching::kNone);
-      if (!host.ok()) return host.status();
-      opened = open_mesh((*host)->client(), mesh.path, requests->session, on_progress, stop);
-      if (!opened.ok()) return opened.status();
-    }
-    absl::StatusOr<client::DecodedSample> sample =
-        sample_session((*host)->client(), opened->session, flags, requests->sample, kPatience, stop);
-    if (!sample.ok()) return sample.status();
-    bar.finish();
-    const std::string limit = point_limit_text(sample->points.size(), sample->statistics);
+    const std::string limit = point_limit_text(made.points.size(), sampled->sample.statistics);
     if (!limit.empty() && !common_.quiet) print_note(absl::StrCat(mesh.mesh, ": ", limit));
-    made.points = std::move(sample->points);
     made.record["output"] = mesh.output;
     made.record["points"] = made.points.size();
   }
   host->reset();  // which brings the session to the cache
   made.record["seconds"] = std::chrono::duration<double>(Clock::now() - start).count();
-  add_terms(wanted.settings_json, opened->mesh, &made.record);
+  add_terms(wanted.settings_json, sampled->opened.mesh, &made.record);
   return made;
 }
 
+absl::StatusOr<SampledMesh> Batch::sample_prepared(const PlannedMesh& mesh, const Wanted& wanted,
+                                                   const SamplingRequests& requests, std::unique_ptr<Host>& host,
+                                                   const client::StageProgress& on_progress, const std::stop_token& stop) const {
+  absl::StatusOr<OpenedMesh> opened = open_mesh(host->client(), mesh.path, requests.session, on_progress, stop);
+  if (!opened.ok()) return opened.status();
+  SampledMesh out;
+  if (wanted.settings.has_points()) {
+    if (caching() == SessionCaching::kKeepAll && opened->session.curve_revision() > 1) {
+      // Its curve was refined for other points, and would give others than a curve of this mesh's own.
+      host.reset();
+      absl::StatusOr<std::unique_ptr<Host>> other = Host::open(common_, SessionCaching::kNone);
+      if (!other.ok()) return other.status();
+      host = *std::move(other);
+      opened = open_mesh(host->client(), mesh.path, requests.session, on_progress, stop);
+      if (!opened.ok()) return opened.status();
+    }
+    absl::StatusOr<client::DecodedSample> sample =
+        sample_session(host->client(), opened->session, wanted.settings.sampling, requests.sample, kPatience, stop);
+    if (!sample.ok()) return sample.status();
+    out.sample = *std::move(sample);
+  }
+  out.opened = *std::move(opened);
+  return out;
+}
+
 absl::Status Batch::save(const PlannedMesh& mesh, const SamplingFlags& flags, Made& made) const {
-  if (!common_.cache.empty() && !is_cached(made.record["session_id"].get<std::string>())) {
+  if (!common_.cache.empty() && made.record.contains("session_id") && !is_cached(made.record["session_id"].get<std::string>())) {
     return absl::ResourceExhaustedError(absl::StrCat(common_.cache, ": a session could not be saved; is the disk full?"));
   }
   if (!mesh.output.empty()) {

@@ -5,12 +5,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "client/cli/common.h"
 #include "client/cli/sample/batch_settings.h"
+#include "client/cli/sample/mesh_sampling.h"
 #include "client/cli/sample/shard.h"
 
 namespace curvecast::cli {
@@ -62,6 +64,10 @@ class Batch {
                                   const std::stop_token& stop) const;
   absl::StatusOr<Made> make(const PlannedMesh& mesh, const Wanted& wanted, const std::string& title,
                             const std::stop_token& stop) const;
+  /// Has the mesh's session made and, where they are wanted, takes points of it. May put another server in the place of `host`.
+  absl::StatusOr<SampledMesh> sample_prepared(const PlannedMesh& mesh, const Wanted& wanted, const SamplingRequests& requests,
+                                              std::unique_ptr<Host>& host, const client::StageProgress& on_progress,
+                                              const std::stop_token& stop) const;
   absl::Status save(const PlannedMesh& mesh, const SamplingFlags& flags, Made& made) const;
   SessionCaching caching() const;
   bool is_cached(const std::string& session_id) const;

@@ -62,6 +62,7 @@ absl::StatusOr<Json> settings_json(const BatchSettings& settings) {
   absl::StatusOr<Json> sample = to_json(requests->sample);
   if (!sample.ok()) return sample;
   json["sample"] = *std::move(sample);
+  if (requests->scatters) json["sampler"] = sampler_of(settings.sampling.sample);
   json["cameras"] = settings.sampling.sample.cameras;
   json["first_answer"] = settings.sampling.first_answer;
   json["position_bits"] = settings.sampling.position_bits.value_or(0);

@@ -99,6 +99,9 @@ absl::StatusOr<BatchSettings> EntryOptions::of(const std::vector<std::string>& a
   if (settings_.has_points() && !says_how_many(settings_.sampling.sample)) {
     return absl::InvalidArgumentError("how many points? say --points, --pixel-error or --max-bytes, for all or for this mesh");
   }
+  if (scatters(settings_.sampling.sample) && !settings_.has_points()) {
+    return absl::InvalidArgumentError("--format none makes sessions only; scattered points have none");
+  }
   if (absl::Status status = make_sampling_requests(settings_.sampling, settings_.seed, settings_.output_of("x")).status();
       !status.ok())
     return status;

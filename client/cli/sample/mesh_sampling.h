@@ -35,12 +35,13 @@ void add_sampling_flags(CLI::App* command, SamplingFlags* flags);
 
 /// What a server is asked for.
 struct SamplingRequests {
-  v1::SessionOptions session;
-  v1::SampleRequest sample;  // all but cameras and viewport
+  v1::SessionOptions session;  // of which, where there is none, only the angle of creases counts
+  v1::SampleRequest sample;    // all but cameras and viewport
+  bool scatters = false;       // without a session
 };
 
 /// Returns the requests that the flags, which have been checked, stand for, for points that go to `output`, a file's name or only
-/// its ending; empty: to no file. InvalidArgument: splats for a file that cannot hold them.
+/// its ending; empty: to no file. InvalidArgument: splats for a file that cannot hold them, or flags that exclude each other.
 absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed,
                                                         const std::string& output);
 
@@ -51,11 +52,17 @@ absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, con
                                                      std::chrono::milliseconds patience, const std::stop_token& stop);
 
 struct SampledMesh {
-  OpenedMesh opened;
+  OpenedMesh opened;  // its session has nothing but the mesh where points are scattered
   client::DecodedSample sample;
 };
 
-/// Opens a mesh and samples it, and shows progress unless `quiet`; waits some minutes for a finer curve.
+/// Uploads a mesh with what it refers to and takes points that are scattered on it. Precondition: requests.scatters.
+absl::StatusOr<SampledMesh> scatter_on(client::Client& client, const std::string& mesh, const SamplingRequests& requests,
+                                       const SamplingFlags& flags, const client::StageProgress& on_progress,
+                                       const std::stop_token& stop);
+
+/// Opens a mesh and samples it, or scatters points on it, and shows progress unless `quiet`; waits some minutes for a finer
+/// curve.
 absl::StatusOr<SampledMesh> open_and_sample(client::Client& client, const std::string& mesh, const SamplingRequests& requests,
                                             const SamplingFlags& flags, bool quiet, const std::stop_token& stop);
 
