@@ -23,7 +23,7 @@ from curvecast.neighbours import Neighbours
 from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
-from curvecast.surface import HAS_LOCAL, FeaturePoints, RepairedMesh, Surface, SurfaceStream, read, scatter
+from curvecast.surface import HAS_LOCAL, FeaturePoints, RepairedMesh, Surface, SurfaceStream, read, scatter, scatter_file
 from curvecast.surface_file import SurfaceFile
 from curvecast.training import SpacePoints, TrainingSet, nested, training_set
 from curvecast.triangle_mesh import TriangleMesh
@@ -62,5 +62,6 @@ __all__ = [
     "notebook",
     "read",
     "scatter",
+    "scatter_file",
     "training_set",
 ]

@@ -23,15 +23,23 @@ class Surface:
         scalars: Mapping[str, npt.NDArray[np.float32]],
         name: str,
         options: bytes,
+        prepares: bool,
         threads: int,
         on_progress: _OnProgress,
     ) -> Surface: ...
     @staticmethod
     def read(
-        name: str, data: bytes, companions: Mapping[str, bytes], options: bytes, threads: int, on_progress: _OnProgress
+        name: str,
+        data: bytes,
+        companions: Mapping[str, bytes],
+        options: bytes,
+        prepares: bool,
+        threads: int,
+        on_progress: _OnProgress,
     ) -> Surface: ...
     def info(self) -> bytes: ...
     def sample(self, request: bytes, threads: int) -> dict[str, Any]: ...
+    def scatter(self, request: bytes, threads: int, on_progress: _OnProgress) -> dict[str, Any]: ...
     def remesh(self, request: bytes, threads: int, on_progress: _OnProgress) -> list[bytes]: ...
     def features(self, degrees: float, points: int, seed: int, threads: int) -> dict[str, Any]: ...
     def distances(self, points: npt.NDArray[np.float64], threads: int) -> npt.NDArray[np.float64]: ...
@@ -43,6 +51,15 @@ class Stream:
     def frame(self, request: bytes, key_frame: bool, threads: int) -> bytes: ...
 
 def references(name: str, data: bytes, companions: Mapping[str, bytes]) -> list[str]: ...
+def scatter_file(
+    name: str,
+    data: bytes,
+    companions: Mapping[str, bytes],
+    request: bytes,
+    crease_degrees: float | None,
+    threads: int,
+    on_progress: _OnProgress,
+) -> dict[str, Any]: ...
 def scatter(
     vertices: npt.NDArray[np.float64],
     faces: npt.NDArray[np.int64],

@@ -13,17 +13,18 @@ from typing import Any, BinaryIO
 import grpc
 import numpy.typing as npt
 
-from curvecast.connection import Connection, OnProgress
+from curvecast.connection import Connection, OnProgress, told
 from curvecast.density import enum_name, vec3
 from curvecast.errors import Error, bad_answer
 from curvecast.mesh import REFERENCE_ROUNDS, Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
 from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
 from curvecast.protocol import MAX_COMPANIONS
+from curvecast.sample import decode_sample
 from curvecast.session import Session
 from curvecast.session_options import session_options
 from curvecast.v1 import curvecast_pb2 as v1
-from curvecast.view import Camera
+from curvecast.view import Camera, View, as_view
 
 
 def connect(
@@ -130,6 +131,31 @@ class Client:
             chart_faces=chart_faces,
         )
         return self._connection.read_stream("GetParameterMesh", request, None, decode_parameter_mesh)
+
+    def scatter(
+        self,
+        mesh: Mesh | str,
+        view: View | int | None = None,
+        *,
+        crease_degrees: float | None = None,
+        on_progress: OnProgress | None = None,
+        **options: Any,
+    ) -> Points:
+        """Samples one point set straight on a mesh, without a session: scatter(mesh, 50_000, relaxation_rounds=2). A tenth of the
+        time of open() and sample(), and at least as even.
+
+        view: a number of points, or a View without another budget, ranks or a sequence of its own; options: its fields.
+        crease_degrees: as of open().
+        """
+        mesh = as_mesh(mesh)
+        sample = as_view(view, options).to_scattered()
+        request = v1.ScatterRequest(mesh_id=mesh.id, companions=mesh.companions, sample=sample, crease_degrees=crease_degrees)
+
+        def take(messages: Iterator[v1.ScatterResponse]) -> Points:
+            answers = (message.points for message in told(messages, on_progress) if message.HasField("points"))
+            return decode_sample(answers, sample)
+
+        return self._connection.read_stream("Scatter", request, None, take)
 
     def open(
         self,

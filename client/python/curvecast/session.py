@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -11,10 +10,10 @@ from typing import Any
 from curvecast import notebook
 from curvecast.connection import Connection, OnProgress, told
 from curvecast.curve import Curve, decode_curve
-from curvecast.errors import bad_answer
 from curvecast.neighbours import Neighbours, decode_neighbours
-from curvecast.points import Points, decode_blocks
+from curvecast.points import Points
 from curvecast.protocol import MAX_POINTS
+from curvecast.sample import decode_sample
 from curvecast.surface_file import SurfaceFile, join_surface
 from curvecast.triangle_mesh import TriangleMesh, decode_mesh, remesh_request
 from curvecast.v1 import curvecast_pb2 as v1
@@ -158,27 +157,6 @@ class Session:
         return self._sample_once(request, PREVIEW_TIMEOUT)
 
     def _sample_once(self, request: v1.ResampleRequest, timeout: float | None = None) -> Points:
-        sample = request.sample
-        most = sample.points if sample.WhichOneof("budget") == "points" else MAX_POINTS
-        statistics = v1.FrameStatistics()
-
-        def blocks(messages: Iterator[v1.ResampleResponse]) -> Iterator[v1.PointBlock]:
-            count = 0
-            for message in messages:
-                count += message.points.count
-                if count > most:  # a server that sends on and on must not fill this machine's memory
-                    raise bad_answer(f"the server sent more than the {most} points asked for")
-                if message.HasField("statistics"):
-                    statistics.CopyFrom(message.statistics)
-                if message.HasField("points"):
-                    yield message.points
-            if count == 0:
-                raise bad_answer("the server sent no points")
-
-        points = self._connection.read_stream(
-            "Resample", request, timeout or self._connection.long_timeout, lambda messages: decode_blocks(blocks(messages))
+        return self._connection.read_stream(
+            "Resample", request, timeout or self._connection.long_timeout, lambda messages: decode_sample(messages, request.sample)
         )
-        may_be_fewer = sample.sampler == v1.SAMPLER_PROGRESSIVE or any(getattr(t.distance, "global") for t in sample.density)
-        if sample.WhichOneof("budget") == "points" and len(points) < most and not may_be_fewer:
-            raise bad_answer(f"asked for {most} points, but the server sent {len(points)}")
-        return dataclasses.replace(points, statistics=statistics)

@@ -51,6 +51,7 @@ class Surface:
         density: Sequence[v1.DensityTerm] = (),
         chart_faces: int = 0,
         crease_degrees: float | None = None,
+        prepare: bool = True,
         threads: int = 0,
         on_progress: OnProgress | None = None,
     ) -> None:
@@ -59,7 +60,8 @@ class Surface:
         vertices: (V, 3) numbers. faces: (F, 3) integers. They are copied; what points say of faces is true of these, also where
         repair turned or dropped some. colours: (V, 3), 0 to 255. scalars: (V,) numbers under names, for density.attribute() and the
         attribute scalars. name: of messages. points: N for which the curve is made fine enough; 0 = 4,096, 16,384, 65,536 or as
-        many as a sample asks for. omega, density, chart_faces, crease_degrees: as of Client.open(). threads: up to 1,024; 0 = one a
+        many as a sample asks for. omega, density, chart_faces, crease_degrees: as of Client.open(). prepare: cut and flatten it
+        now; else once that is needed, which scatter(), training_set() and signed_distance() do not. threads: up to 1,024; 0 = one a
         core. on_progress(stage, fraction) is called on this thread; an exception from it, and Ctrl-C, end the work. TypeError,
         ValueError: arrays of another shape or kind, names that are no text. Error INVALID_ARGUMENT: no mesh; says which vertex or
         face is at fault. ImportError: this copy has no _native."""
@@ -68,7 +70,7 @@ class Surface:
         _check_range("threads", threads, MOST_THREADS)
         options = session_options(points, omega, density, "own", "exact", "exact", 0, chart_faces, crease_degrees)
         with _translate_errors():
-            self._native = _native.Surface.make(*mesh, options.SerializeToString(), threads, on_progress)
+            self._native = _native.Surface.make(*mesh, options.SerializeToString(), prepare, threads, on_progress)
         self._set_up(threads)
 
     def _set_up(self, threads: int) -> None:
@@ -91,6 +93,14 @@ class Surface:
             columns = self._native.sample(request.SerializeToString(), self._threads)
         statistics = v1.FrameStatistics.FromString(columns.pop("statistics"))
         return dataclasses.replace(points_of(columns.pop("origin"), columns), statistics=statistics)
+
+    def scatter(self, view: View | int | None = None, *, on_progress: OnProgress | None = None, **options: Any) -> Points:
+        """Places points straight on the mesh: as curvecast.scatter() of its vertices and faces, whose points these are. With the
+        attribute "rank" points have an order of which every prefix is even: see nested()."""
+        request = as_view(view, options).to_scattered()
+        with _translate_errors():
+            columns = self._native.scatter(request.SerializeToString(), self._threads, on_progress)
+        return points_of(columns.pop("origin"), columns)
 
     def view(self, camera: Camera | View, points: int | None = None, **options: Any) -> Frame:
         """Samples for a camera, as a difference to the view before: view(camera, 50_000, density=[density.picture()]). All points
@@ -221,6 +231,7 @@ def read(
     area: str = "exact",
     chart_faces: int = 0,
     crease_degrees: float | None = None,
+    prepare: bool = True,
     threads: int = 0,
     on_progress: OnProgress | None = None,
 ) -> Surface:
@@ -228,29 +239,15 @@ def read(
     are missing are left out: see .info.warnings. OSError: the mesh cannot be read. Error INVALID_ARGUMENT: it is none."""
     _check_native()
     _check_range("threads", threads, MOST_THREADS)
-    path = pathlib.Path(path)
-    file = os.fsencode(path.name).decode("utf-8", "replace")  # a name need not be UTF-8, the messages are
-    data = path.read_bytes()
-    companions: dict[str, bytes] = {}
-    refused: dict[str, str] = {}
-    for _ in range(REFERENCE_ROUNDS if may_have_companions(path) else 0):
-        before = len(companions)
-        with _translate_errors():
-            names = _native.references(file, data, companions)
-        for name in names:
-            try:
-                if (companion := find_companion(path, name)) is not None:
-                    companions[name] = companion.read_bytes()
-            except (ValueError, OSError) as error:
-                refused[name] = f"{error}."
-        if len(companions) == before:
-            break
+    file = _read_files(path)
     options = session_options(points, omega, density, parameteriser, mapper, area, 0, chart_faces, crease_degrees)
     surface = Surface.__new__(Surface)
     with _translate_errors():
-        surface._native = _native.Surface.read(file, data, companions, options.SerializeToString(), threads, on_progress)
+        surface._native = _native.Surface.read(
+            file.name, file.data, file.companions, options.SerializeToString(), prepare, threads, on_progress
+        )
     surface._set_up(threads)
-    surface.info.warnings.extend(refused.values())
+    surface.info.warnings.extend(file.refused.values())
     return surface
 
 
@@ -277,10 +274,60 @@ def scatter(
     _check_native()
     mesh = _mesh_arrays(vertices, faces, colours, scalars, name)
     _check_range("threads", threads, MOST_THREADS)
-    request = as_view(view, options).to_proto().SerializeToString()
+    request = as_view(view, options).to_scattered().SerializeToString()
     with _translate_errors():
         columns = _native.scatter(*mesh, request, crease_degrees, threads, on_progress)
     return points_of(columns.pop("origin"), columns)
+
+
+def scatter_file(
+    path: str | os.PathLike[str],
+    view: View | int | None = None,
+    *,
+    crease_degrees: float | None = None,
+    threads: int = 0,
+    on_progress: OnProgress | None = None,
+    **options: Any,
+) -> Points:
+    """Places points straight on a mesh file, with the colours and textures that it has: scatter_file("mesh.glb", 16_384). As
+    scatter(); files that the mesh refers to are found as by read(). Points are those of the command with --sampler scattered."""
+    _check_native()
+    _check_range("threads", threads, MOST_THREADS)
+    file = _read_files(path)
+    request = as_view(view, options).to_scattered().SerializeToString()
+    with _translate_errors():
+        columns = _native.scatter_file(file.name, file.data, file.companions, request, crease_degrees, threads, on_progress)
+    return points_of(columns.pop("origin"), columns)
+
+
+@dataclasses.dataclass(frozen=True)
+class _File:
+    """A mesh file, and those in its folder that it refers to."""
+
+    name: str
+    data: bytes
+    companions: dict[str, bytes]
+    refused: dict[str, str]  # why others, by their names, were not taken
+
+
+def _read_files(path: str | os.PathLike[str]) -> _File:
+    """OSError: the mesh cannot be read. Error INVALID_ARGUMENT: it is none."""
+    path = pathlib.Path(path)
+    name = os.fsencode(path.name).decode("utf-8", "replace")  # a name need not be UTF-8, the messages are
+    file = _File(name, path.read_bytes(), {}, {})
+    for _ in range(REFERENCE_ROUNDS if may_have_companions(path) else 0):
+        before = len(file.companions)
+        with _translate_errors():
+            names = _native.references(file.name, file.data, file.companions)
+        for other in names:
+            try:
+                if (companion := find_companion(path, other)) is not None:
+                    file.companions[other] = companion.read_bytes()
+            except (ValueError, OSError) as error:
+                file.refused[other] = f"{error}."
+        if len(file.companions) == before:
+            break
+    return file
 
 
 def _mesh_arrays(

@@ -76,7 +76,7 @@ class MeshPoints(Dataset[Sample]):
 
     def _made(self, path: pathlib.Path) -> dict[str, Any]:
         seed = self.seed + self.epoch
-        return training_set(read(path, threads=self.threads), seed=seed, **self.numbers).arrays()
+        return training_set(read(path, prepare=False, threads=self.threads), seed=seed, **self.numbers).arrays()
 
 
 class ShardedMeshPoints(IterableDataset[Sample]):

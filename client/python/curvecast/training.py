@@ -16,7 +16,7 @@ from curvecast.points import Points, points_of
 from curvecast.surface import FeaturePoints, Surface
 from curvecast.v1 import curvecast_pb2 as v1
 
-FEWEST_NESTED = 16  # points of the smallest prefix that is exact
+ROUNDS = 2  # in which nested points move apart
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class TrainingSet:
     """What a network learns a shape from. None: not asked for."""
 
     uniform: Points | None = None  #: evenly on the surface; each prefix is an even set, too
-    curved: Points | None = None  #: denser where the surface is curved; each half of them, from the front, is such a set, too
+    curved: Points | None = None  #: denser where the surface is curved; each prefix is such a set, too
     features: FeaturePoints | None = None  #: on sharp edges
     near: SpacePoints | None = None  #: about the surface
     space: SpacePoints | None = None  #: in the box
@@ -73,25 +73,14 @@ class TrainingSet:
 def nested(
     surface: Surface, points: int, *, density: Sequence[v1.DensityTerm] | v1.DensityTerm = (), seed: int = 0, **options: Any
 ) -> Points:
-    """Samples a set of which each prefix stands for the whole, instead of farthest points one by one: the first half of the points,
-    the first quarter and so on are those that the surface gives for so many with this density. Without a density every prefix is as
-    even as so many points can be. Fewer than asked for where the density has no more places."""
-    options |= {"sampler": "progressive", "density": density, "seed": seed}
+    """Samples a set of which each prefix stands for the whole, instead of farthest points one by one: every prefix follows the
+    density and is nearly as even as so many points can be. options: more fields of a View; relaxation_rounds is 2 without it."""
     attributes = dict.fromkeys([*options.pop("attributes", ()), "rank"])
-    whole = surface.sample(points, attributes=list(attributes), **options)
-    assert whole.ranks is not None
-    octave = np.zeros(len(whole), np.int64)
-    uneven = bool(density) if not isinstance(density, v1.DensityTerm) else True
-    count = len(whole) // 2
-    while uneven and count >= FEWEST_NESTED:
-        some = surface.sample(count, attributes=["rank"], **options)
-        assert some.ranks is not None
-        octave[np.isin(whole.ranks, some.ranks, assume_unique=True)] += 1
-        count //= 2
-    order = np.lexsort((whole.ranks, -octave))
-    return dataclasses.replace(
-        points_of(whole.origin, {name: column[order] for name, column in whole.columns().items()}), statistics=whole.statistics
-    )
+    options = {"relaxation_rounds": ROUNDS} | options
+    whole = surface.scatter(points, attributes=list(attributes), density=density, seed=seed, **options)
+    columns = whole.columns()
+    order = np.argsort(columns.pop("ranks"))
+    return points_of(whole.origin, {name: column[order] for name, column in columns.items()})
 
 
 def training_set(
@@ -135,7 +124,7 @@ def training_set(
     low, high = (np.array([box.x, box.y, box.z]) for box in (surface.info.box_min, surface.info.box_max))
     side = (high - low).max()
     if near > 0:
-        base = surface.sample(near, seed=seed).world_positions()
+        base = surface.scatter(near, seed=seed).world_positions()
         spread = side * np.resize(np.asarray(sigmas, np.float64), near)
         places = base + generator.standard_normal((near, 3)) * spread[:, None]
         made["near"] = SpacePoints(places, surface.signed_distance(places))

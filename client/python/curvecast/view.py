@@ -56,7 +56,7 @@ class View:
     #: 0 to 100, of the equalised sampler: in so many rounds points move along the surface, away from their neighbours, to blue
     #: noise as even at large as before: 3 will do, 10 leave fewer holes. Not in a stream
     relaxation_rounds: int = 0
-    #: of curvatures, directions, scalars (the mesh's named values), rank (progressive sampler only), surface (faces, barycentric)
+    #: of curvatures, directions, scalars (the mesh's named values), rank (of progressive and scattered points), surface (faces, barycentric)
     attributes: Sequence[str] = ()
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
     position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = as the camera's pixels ask for
@@ -86,6 +86,10 @@ class View:
         if self.viewport is not None:
             request.viewport.width, request.viewport.height = self.viewport
         return request
+
+    def to_scattered(self) -> v1.SampleRequest:
+        """The message for points straight on a mesh, which may have ranks all the same."""
+        return dataclasses.replace(self, sampler=self.sampler or "equalised").to_proto()
 
     def _sampler(self, in_stream: bool) -> str:
         if self.sampler is not None:

@@ -9,6 +9,7 @@
 #include "server/convert/convert.h"
 #include "server/convert/convert_measure.h"
 #include "server/convert/mesh_chunks.h"
+#include "server/convert/scatter_request.h"
 #include "server/frame/make_frame.h"
 #include "server/frame/session_mesh.h"
 #include "server/session/refiner.h"
@@ -59,27 +60,34 @@ std::uint64_t curve_points(std::uint64_t points) {
 }
 
 absl::StatusOr<std::shared_ptr<LocalSurface>> LocalSurface::make(PolygonSoup soup, const std::string& name,
-                                                                 const v1::SessionOptions& options,
+                                                                 const v1::SessionOptions& options, bool prepares,
                                                                  const ExecutionContext& context) {
   const absl::StatusOr<Options> wanted = to_options(options);
   if (!wanted.ok()) return wanted.status();
   absl::StatusOr<LoadedMesh> loaded = load_mesh(std::move(soup), name, context);
   if (!loaded.ok()) return loaded.status();
+  if (!prepares) return std::make_shared<LocalSurface>(*std::move(loaded), name, wanted->preprocess, wanted->is_sized);
   absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(*std::move(loaded), wanted->preprocess, context);
   if (!flattened.ok()) return flattened.status();
   return std::make_shared<LocalSurface>(*std::move(flattened), name, wanted->preprocess, wanted->is_sized);
 }
 
 absl::StatusOr<std::shared_ptr<LocalSurface>> LocalSurface::read(const MeshFile& file, const v1::SessionOptions& options,
-                                                                 const ExecutionContext& context) {
+                                                                 bool prepares, const ExecutionContext& context) {
   const absl::StatusOr<Options> wanted = to_options(options);
   if (!wanted.ok()) return wanted.status();
+  const std::string name(file.name);
+  if (!prepares) {
+    absl::StatusOr<LoadedMesh> loaded = load_mesh(file, context);
+    if (!loaded.ok()) return loaded.status();
+    return std::make_shared<LocalSurface>(*std::move(loaded), name, wanted->preprocess, wanted->is_sized);
+  }
   absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, wanted->preprocess, context);
   if (!flattened.ok()) return flattened.status();
-  return std::make_shared<LocalSurface>(*std::move(flattened), std::string(file.name), wanted->preprocess, wanted->is_sized);
+  return std::make_shared<LocalSurface>(*std::move(flattened), name, wanted->preprocess, wanted->is_sized);
 }
 
-v1::MeshInfo LocalSurface::info() const { return server::to_proto(flattened_->report.mesh, name_); }
+v1::MeshInfo LocalSurface::info() const { return server::to_proto(loaded_->info, name_); }
 
 absl::StatusOr<std::shared_ptr<const server::Session>> LocalSurface::session(const server::PointSetRequest& request,
                                                                              const ExecutionContext& context) {
@@ -94,6 +102,11 @@ absl::StatusOr<std::shared_ptr<const server::Session>> LocalSurface::session(con
   }
   std::shared_ptr<const server::Session>& first = sessions_[{options.points, 0}];
   if (first == nullptr) {
+    if (flattened_ == nullptr) {
+      absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(LoadedMesh(*loaded_), options_, context);
+      if (!flattened.ok()) return flattened.status();
+      flattened_ = std::make_shared<const FlattenedMesh>(*std::move(flattened));
+    }
     absl::StatusOr<Preprocessed> preprocessed = lay_curve(flattened_, options, context);
     if (!preprocessed.ok()) return preprocessed.status();
     auto session = std::make_shared<server::Session>();
@@ -141,6 +154,12 @@ absl::StatusOr<server::Sampled> LocalSurface::sample(const v1::SampleRequest& re
   }
 }
 
+absl::StatusOr<ScatteredPoints> LocalSurface::scatter(const v1::SampleRequest& request, const ExecutionContext& context) const {
+  const absl::StatusOr<server::ScatterRequest> wanted = server::to_scatter_request(request, options_.crease_degrees);
+  if (!wanted.ok()) return wanted.status();
+  return scatter_mesh(*loaded_, wanted->scatter, context);
+}
+
 absl::StatusOr<std::vector<v1::RemeshResponse>> LocalSurface::remesh(const v1::RemeshRequest& request,
                                                                      const ExecutionContext& context) {
   const absl::StatusOr<server::PointSetRequest> point_set = server::to_point_set_request(request.sample());
@@ -164,22 +183,22 @@ absl::StatusOr<v1::Measures> LocalSurface::measure(const v1::MeasureRequest& req
                                                    const ExecutionContext& context) {
   absl::StatusOr<MeasureOptions> options = server::to_measure_options(request);
   if (!options.ok()) return options.status();
-  options->scalars = flattened_->loaded.attributes.scalars;
-  const absl::StatusOr<MeasureReport> report = measure_points(flattened_->loaded.mesh, sets, *options, context);
+  options->scalars = loaded_->attributes.scalars;
+  const absl::StatusOr<MeasureReport> report = measure_points(loaded_->mesh, sets, *options, context);
   if (!report.ok()) return report.status();
-  return server::to_proto(*report, flattened_->report.mesh.box.diagonal());
+  return server::to_proto(*report, loaded_->info.box.diagonal());
 }
 
 FeaturePoints LocalSurface::features(double degrees, std::size_t points, std::uint64_t seed,
                                      const ExecutionContext& context) const {
-  return sample_features(flattened_->loaded.mesh, degrees, points, seed, context);
+  return sample_features(loaded_->mesh, degrees, points, seed, context);
 }
 
 absl::StatusOr<std::vector<double>> LocalSurface::distances(std::span<const Vec3d> points, const ExecutionContext& context) {
   std::vector<double> found(points.size());
   const MutexLock lock(measuring_);
   if (!distance_) {
-    absl::StatusOr<SignedDistance> made = SignedDistance::of(flattened_->loaded.mesh);
+    absl::StatusOr<SignedDistance> made = SignedDistance::of(loaded_->mesh);
     if (!made.ok()) return made.status();
     distance_ = *std::move(made);
   }

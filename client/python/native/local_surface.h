@@ -18,6 +18,7 @@
 #include "core/mesh/polygon_soup.h"
 #include "core/mesh_io/reading/mesh_file.h"
 #include "core/pipeline/pipeline.h"
+#include "core/pipeline/scatter_mesh.h"
 #include "core/remesh/feature_points.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/frame/reference_frame.h"
@@ -31,27 +32,38 @@ namespace curvecast::python {
 class LocalSurface {
  public:
   /// `options`: max_points = 0: the curve is made for as many points as are asked for, see curve_points(). `name`: of messages.
-  /// InvalidArgument: of the mesh (repair()) or the options; Cancelled.
+  /// `prepares`: cuts and flattens the mesh now, not when that is first needed. InvalidArgument: of the mesh (repair()) or the
+  /// options; Cancelled.
   static absl::StatusOr<std::shared_ptr<LocalSurface>> make(PolygonSoup soup, const std::string& name,
-                                                            const v1::SessionOptions& options, const ExecutionContext& context);
+                                                            const v1::SessionOptions& options, bool prepares,
+                                                            const ExecutionContext& context);
   /// Reads a mesh file. Errors also as of read_mesh().
   static absl::StatusOr<std::shared_ptr<LocalSurface>> read(const MeshFile& file, const v1::SessionOptions& options,
-                                                            const ExecutionContext& context);
+                                                            bool prepares, const ExecutionContext& context);
 
+  LocalSurface(LoadedMesh loaded, std::string name, const PreprocessOptions& options, bool is_sized)
+      : name_(std::move(name)),
+        options_(options),
+        is_sized_(is_sized),
+        loaded_(std::make_shared<const LoadedMesh>(std::move(loaded))) {}
   LocalSurface(FlattenedMesh flattened, std::string name, const PreprocessOptions& options, bool is_sized)
       : name_(std::move(name)),
         options_(options),
         is_sized_(is_sized),
-        flattened_(std::make_shared<const FlattenedMesh>(std::move(flattened))) {}
+        flattened_(std::make_shared<const FlattenedMesh>(std::move(flattened))),
+        loaded_(flattened_, &flattened_->loaded) {}
 
   /// What the file held and what repair made of it.
   v1::MeshInfo info() const;
-  const FlattenedMesh& flattened() const { return *flattened_; }
+  /// The repaired mesh.
+  const LoadedMesh& mesh() const { return *loaded_; }
 
   /// Samples as `request` says, and tells which attributes it selects; where the curve is too coarse for that it is made finer
   /// first. InvalidArgument: a budget that is for what is sent.
   absl::StatusOr<server::Sampled> sample(const v1::SampleRequest& request, server::PointAttributes& wanted,
                                          const ExecutionContext& context);
+  /// Scatters points straight on the mesh: see scatter_mesh(). InvalidArgument as of to_scatter_request().
+  absl::StatusOr<ScatteredPoints> scatter(const v1::SampleRequest& request, const ExecutionContext& context) const;
   /// The messages of the API's answer.
   absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const ExecutionContext& context);
   /// Measures sets of points in absolute coordinates against the mesh. Of the request neither mesh nor sets count.
@@ -76,10 +88,11 @@ class LocalSurface {
 
   const std::string name_;
   const PreprocessOptions options_;
-  const bool is_sized_;  // options_.points was asked for
-  const std::shared_ptr<const FlattenedMesh> flattened_;
+  const bool is_sized_;                             // options_.points was asked for
+  std::shared_ptr<const FlattenedMesh> flattened_;  // null: not needed yet; else changed under making_ alone
+  const std::shared_ptr<const LoadedMesh> loaded_;
   server::ViewCache cache_;
-  Mutex making_;                                        // of sessions, and of finer curves
+  Mutex making_;                                        // of the flat mesh, of sessions, and of finer curves
   using Key = std::pair<std::uint64_t, std::uint64_t>;  // points of the curve, seed of the ranked points
   std::map<Key, std::shared_ptr<const server::Session>> sessions_ ABSL_GUARDED_BY(making_);
   Mutex measuring_;

@@ -17,9 +17,9 @@
 #include "client/python/native/arrays.h"
 #include "client/python/native/interruptible.h"
 #include "client/python/native/local_surface.h"
-#include "client/python/native/scatter_mesh.h"
 #include "core/mesh_io/mesh_companions.h"
 #include "server/convert/convert_points.h"
+#include "server/convert/scatter_request.h"
 
 namespace curvecast::python {
 
@@ -133,21 +133,21 @@ PolygonSoup soup_of(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>
 
 std::shared_ptr<LocalSurface> make_surface(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces,
                                            const nb::object& colours, const nb::dict& scalars, const std::string& name,
-                                           const nb::bytes& options, int threads, const nb::object& on_progress) {
+                                           const nb::bytes& options, bool prepares, int threads, const nb::object& on_progress) {
   const auto session = parse<v1::SessionOptions>(options);
   PolygonSoup soup = soup_of(vertices, faces, colours, scalars, name);
   return run_or_raise(threads, on_progress, [&](const ExecutionContext& context) {
-    return LocalSurface::make(std::move(soup), name, session, context);
+    return LocalSurface::make(std::move(soup), name, session, prepares, context);
   });
 }
 
 std::shared_ptr<LocalSurface> read_surface(const std::string& name, const nb::bytes& bytes, const nb::dict& companions,
-                                           const nb::bytes& options, int threads, const nb::object& on_progress) {
+                                           const nb::bytes& options, bool prepares, int threads, const nb::object& on_progress) {
   const auto session = parse<v1::SessionOptions>(options);
   const FileInMemory file(name, bytes, companions);
   const MeshFile view = file.view();
   return run_or_raise(threads, on_progress,
-                      [&](const ExecutionContext& context) { return LocalSurface::read(view, session, context); });
+                      [&](const ExecutionContext& context) { return LocalSurface::read(view, session, prepares, context); });
 }
 
 nb::dict sample(LocalSurface& surface, const nb::bytes& request, int threads) {
@@ -187,28 +187,58 @@ nb::dict features(LocalSurface& surface, double degrees, std::size_t points, std
   });
   nb::dict out;
   out["length"] = found.length;
-  for (FacePlace& place : found.places) place = place_in_file(place, surface.flattened().loaded.sources);
+  for (FacePlace& place : found.places) place = place_in_file(place, surface.mesh().sources);
   put_places(out, found.places);
   out["positions"] = array_of<double>(std::move(found.positions), 3);
   out["normals"] = array_of<float>(std::move(found.normals), 6);
   return out;
 }
 
-nb::dict scatter(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces, const nb::object& colours,
-                 const nb::dict& scalars, const std::string& name, const nb::bytes& request, std::optional<double> crease_degrees,
-                 int threads, const nb::object& on_progress) {
-  const auto message = parse<v1::SampleRequest>(request);
-  PolygonSoup soup = soup_of(vertices, faces, colours, scalars, name);
-  ScatteredPoints scattered = run_or_raise(threads, on_progress, [&](const ExecutionContext& context) {
-    return scatter_mesh(std::move(soup), name, message, crease_degrees, context);
-  });
+nb::dict to_columns(ScatteredPoints scattered) {
   nb::dict out = to_columns(scattered.points);
   put_places(out, scattered.points.places);
-  if (scattered.curvatures) out["curvatures"] = array_of<float>(*std::move(scattered.curvatures), 2);
-  if (scattered.directions) out["directions"] = array_of<float>(*std::move(scattered.directions), 3);
+  if (!scattered.points.ranks.empty()) out["ranks"] = array_of<std::uint32_t>(std::move(scattered.points.ranks));
+  if (!scattered.curvatures.empty()) out["curvatures"] = array_of<float>(std::move(scattered.curvatures), 2);
+  if (!scattered.directions.empty()) out["directions"] = array_of<float>(std::move(scattered.directions), 3);
   for (auto& [scalar, values] : scattered.scalars)
     out[nb::str(("scalar " + scalar).c_str())] = array_of<float>(std::move(values));
   return out;
+}
+
+/// `load`: gives the mesh. Columns by name.
+template <typename Load>
+nb::dict scatter_loaded(const nb::bytes& request, std::optional<double> crease_degrees, int threads,
+                        const nb::object& on_progress, const Load& load) {
+  const auto message = parse<v1::SampleRequest>(request);
+  return to_columns(run_or_raise(threads, on_progress, [&](const ExecutionContext& context) -> absl::StatusOr<ScatteredPoints> {
+    const absl::StatusOr<server::ScatterRequest> wanted = server::to_scatter_request(message, crease_degrees);
+    if (!wanted.ok()) return wanted.status();
+    const absl::StatusOr<LoadedMesh> loaded = load(context);
+    if (!loaded.ok()) return loaded.status();
+    return scatter_mesh(*loaded, wanted->scatter, context);
+  }));
+}
+
+nb::dict scatter_on_surface(const LocalSurface& surface, const nb::bytes& request, int threads, const nb::object& on_progress) {
+  const auto message = parse<v1::SampleRequest>(request);
+  return to_columns(
+      run_or_raise(threads, on_progress, [&](const ExecutionContext& context) { return surface.scatter(message, context); }));
+}
+
+nb::dict scatter(const Rows<double, 3>& vertices, const Rows<std::int64_t, 3>& faces, const nb::object& colours,
+                 const nb::dict& scalars, const std::string& name, const nb::bytes& request, std::optional<double> crease_degrees,
+                 int threads, const nb::object& on_progress) {
+  PolygonSoup soup = soup_of(vertices, faces, colours, scalars, name);
+  return scatter_loaded(request, crease_degrees, threads, on_progress,
+                        [&](const ExecutionContext& context) { return load_mesh(std::move(soup), name, context); });
+}
+
+nb::dict scatter_file(const std::string& name, const nb::bytes& bytes, const nb::dict& companions, const nb::bytes& request,
+                      std::optional<double> crease_degrees, int threads, const nb::object& on_progress) {
+  const FileInMemory file(name, bytes, companions);
+  const MeshFile view = file.view();
+  return scatter_loaded(request, crease_degrees, threads, on_progress,
+                        [&](const ExecutionContext& context) { return load_mesh(view, context); });
 }
 
 std::vector<Vec3d> to_places(const Rows<double, 3>& rows) {
@@ -225,7 +255,7 @@ nb::object distances(LocalSurface& surface, const Rows<double, 3>& points, int t
 
 /// The repaired mesh.
 nb::dict mesh(const LocalSurface& surface) {
-  const LoadedMesh& loaded = surface.flattened().loaded;
+  const LoadedMesh& loaded = surface.mesh();
   const std::size_t faces = loaded.mesh.face_count();
   std::vector<std::uint32_t> polygons(faces);
   std::vector<std::uint8_t> turned(faces);
@@ -273,13 +303,17 @@ NB_MODULE(_native, m) {
         "The files that a mesh file refers to and that are not among the companions yet.");
   m.def("scatter", &scatter, "vertices"_a, "faces"_a, "colours"_a.none(), "scalars"_a, "name"_a, "request"_a,
         "crease_degrees"_a.none(), "threads"_a, "on_progress"_a.none(), "Columns by name.");
+  m.def("scatter_file", &scatter_file, "name"_a, "data"_a, "companions"_a, "request"_a, "crease_degrees"_a.none(), "threads"_a,
+        "on_progress"_a.none(), "The same of a file.");
   nb::class_<LocalSurface>(m, "Surface")
       .def_static("make", &make_surface, "vertices"_a, "faces"_a, "colours"_a.none(), "scalars"_a, "name"_a, "options"_a,
-                  "threads"_a, "on_progress"_a.none())
-      .def_static("read", &read_surface, "name"_a, "data"_a, "companions"_a, "options"_a, "threads"_a, "on_progress"_a.none())
+                  "prepares"_a, "threads"_a, "on_progress"_a.none())
+      .def_static("read", &read_surface, "name"_a, "data"_a, "companions"_a, "options"_a, "prepares"_a, "threads"_a,
+                  "on_progress"_a.none())
       .def(
           "info", [](const LocalSurface& surface) { return to_bytes(surface.info()); }, "The MeshInfo.")
       .def("sample", &sample, "request"_a, "threads"_a, "Columns by name, and the statistics.")
+      .def("scatter", &scatter_on_surface, "request"_a, "threads"_a, "on_progress"_a.none(), "Columns by name.")
       .def("remesh", &remesh, "request"_a, "threads"_a, "on_progress"_a.none(), "The answers to a RemeshRequest.")
       .def("features", &features, "degrees"_a, "points"_a, "seed"_a, "threads"_a,
            "Points on sharp edges: columns, and the length.")

@@ -68,6 +68,28 @@ class ClientTest(ServerTest):
         self.assertEqual((listed[mesh.id].name, listed[mesh.id].size), ("listed.obj", len(text)))
         self.assertEqual(list(listed), sorted(listed))
 
+    def test_points_without_a_session(self) -> None:
+        mesh = self.client.upload(self.write("scattered.obj", sphere_obj(40)))
+        sessions = len(self.client.sessions())
+        stages: set[str] = set()
+        options: dict[str, Any] = {"relaxation_rounds": 2, "attributes": ["surface"], "seed": 3}
+        points = self.client.scatter(mesh, 30_000, on_progress=lambda stage, _: stages.add(stage), **options)
+        self.assertEqual(len(points), 30_000)
+        self.assertEqual(present(points.faces).shape, (30_000,))
+        np.testing.assert_allclose(np.linalg.norm(points.world_positions(), axis=1), 1, atol=0.02)
+        self.assertLessEqual(stages, {"queued", "read", "repair", "scatter", "relax", "order"})
+        self.assertFalse(points.statistics.refining)
+        self.assert_same_points(points, self.client.scatter(mesh.id, 30_000, **options))
+        if WITH_DRACO:
+            self.assertEqual(len(self.client.scatter(mesh, 500, encoding="draco")), 500)
+        camera = curvecast.Camera((0, 0, 5))
+        near = self.client.scatter(mesh, 500, density=[curvecast.density.view()], camera=camera)
+        self.assertGreater(near.world_positions()[:, 2].mean(), 0.2)
+        self.assertEqual(len(self.client.sessions()), sessions)
+        self.assert_refused("NOT_FOUND", "0" * 32, self.client.scatter, "0" * 32, 10)
+        self.assert_refused("INVALID_ARGUMENT", "fixed ranks", self.client.scatter, mesh, 10, sampler="progressive")
+        self.assert_refused("INVALID_ARGUMENT", "crease_degrees", self.client.scatter, mesh, 10, crease_degrees=-1)
+
     def test_sessions(self) -> None:
         mesh = self.client.upload(self.write("sessions.obj", sphere_obj(16)))
         stages: set[str] = set()

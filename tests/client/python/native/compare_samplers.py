@@ -1,6 +1,6 @@
 """Point sets of many meshes by Curvecast and by what others use, on one core, in one run: how long they take and how even they are.
 
-    compare_samplers.py [MESH...] [--meshes 1000] [--points 16384] [--measured 10]
+    compare_samplers.py [MESH...] [--meshes 1000] [--points 16384] [--measured 10] [--only NAME]... [--part 0.25]
 
 Prints a table in Markdown; discrepancies are over those that random points are expected to have. Each mesh is deformed anew for
 every run, so that nothing is prepared; of slow samplers fewer meshes are tried. `deploy/compare_samplers` installs what it takes;
@@ -44,9 +44,21 @@ def ours_scattered(rounds: int) -> Sampler:
     return sample
 
 
+def in_order(points: curvecast.Points) -> Floats:
+    """Of which every prefix is a set."""
+    assert points.ranks is not None
+    ordered: Floats = points.world_positions()[np.argsort(points.ranks)]
+    return ordered
+
+
+def ours_nested(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
+    options: dict[str, Any] = {"relaxation_rounds": 2, "attributes": ["rank"]}
+    return in_order(curvecast.scatter(vertices, faces, points, seed=seed, threads=1, **options))
+
+
 def ours_ranked(vertices: Floats, faces: Ints, points: int, seed: int) -> Floats:
     surface = curvecast.Surface(vertices, faces, threads=1)
-    return surface.sample(points, seed=seed, sampler="progressive").world_positions()
+    return in_order(surface.sample(points, seed=seed, sampler="progressive", attributes=["rank"]))
 
 
 def open3d_mesh(vertices: Floats, faces: Ints) -> Any:
@@ -99,6 +111,7 @@ SAMPLERS: dict[str, tuple[Sampler, float]] = {  # with the share of the meshes t
     "curvecast, scattered": (ours_scattered(0), 1),
     "curvecast, scattered, 1 round": (ours_scattered(1), 1),
     "curvecast, scattered, 2 rounds": (ours_scattered(2), 1),
+    "curvecast, scattered, 2 rounds, ranks": (ours_nested, 0.1),
     "curvecast, scattered, 10 rounds": (ours_scattered(10), 0.1),
     "curvecast, scattered, 60 rounds": (ours_scattered(60), 0.1),
     "curvecast, equalised": (ours_equalised(0), 1),
@@ -137,12 +150,20 @@ def main() -> None:
     parser.add_argument("--meshes", type=int, default=1000)
     parser.add_argument("--points", type=int, default=16_384)
     parser.add_argument("--measured", type=int, default=10, help="sets of each sampler whose evenness is measured")
+    parser.add_argument(
+        "--only", action="append", default=[], metavar="NAME", help="samplers whose names have this in them; repeat"
+    )
+    parser.add_argument(
+        "--part", type=float, default=1, help="measure so much of each set, from the front: of ranks and farthest points a set, too"
+    )
     flags = parser.parse_args()
     given = bases(flags.meshes_given)
     print(f"{flags.meshes} meshes of about {np.mean([len(f) for _, f in given]):.0f} triangles, {flags.points} points, one core\n")
     print("| sampler | meshes | CPU seconds, mean (most) | points | ring discrepancy | ball discrepancy | rho | coverage |")
     print("|---|---|---|---|---|---|---|---|")
     for name, (sample, share) in SAMPLERS.items():
+        if flags.only and not any(part in name for part in flags.only):
+            continue
         seconds: list[float] = []
         counts: list[int] = []
         measures = []
@@ -158,6 +179,7 @@ def main() -> None:
                 counts.append(len(points))
                 if i < flags.measured:
                     surface = curvecast.Surface(vertices, faces, threads=1)
+                    points = points[: round(flags.part * len(points))]
                     measures.append(surface.measure(points, ring_seeds=256, ball_centres=1024).sets[0])
         except ModuleNotFoundError as error:
             print(f"| {name} | {error} |")

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import pathlib
+import subprocess
+import tempfile
 import threading
 import unittest
 from typing import Any
@@ -84,6 +88,41 @@ class ScatterTest(unittest.TestCase):
         self.assertTrue((points.colours[at[:, 2] > 0.1, 0] > 240).all())
         numpy.testing.assert_allclose(points.radii, points.radii[0], rtol=1e-6)
 
+    def test_points_of_a_file_are_those_of_the_command(self) -> None:
+        vertices, faces = torus()
+        with tempfile.TemporaryDirectory() as folder:
+            mesh, out = pathlib.Path(folder) / "torus.obj", pathlib.Path(folder) / "points.npz"
+            lines = [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+            mesh.write_text("mtllib red.mtl\nusemtl red\n" + "\n".join(lines) + "\n")
+            (pathlib.Path(folder) / "red.mtl").write_text("newmtl red\nKd 1 0 0\n")
+            arguments = [
+                os.environ["CURVECAST_COMMAND"],
+                "sample",
+                str(mesh),
+                "-n",
+                "5000",
+                "--sampler",
+                "scattered",
+                "--relax",
+                "2",
+            ]
+            arguments += ["--seed", "3", "--attributes", "surface,curvatures", "-o", str(out)]
+            subprocess.run(arguments, check=True, capture_output=True)
+            options: dict[str, Any] = {"relaxation_rounds": 2, "seed": 3, "attributes": ["surface", "curvatures", "rank"]}
+            points = curvecast.scatter_file(mesh, 5000, **options)
+            assert points.ranks is not None
+            order = np.argsort(points.ranks)  # as the file has them
+            with np.load(out) as written:
+                for name in ("normals", "radii", "colours", "faces", "barycentric", "curvatures", "ranks"):
+                    numpy.testing.assert_array_equal(points.columns()[name][order], written[name], name)
+                numpy.testing.assert_allclose(points.world_positions()[order], written["positions"], atol=1e-6)
+            assert points.colours is not None
+            self.assertTrue((points.colours == [255, 0, 0]).all())
+            plain = curvecast.scatter(vertices, faces, 5000, **options)
+            numpy.testing.assert_array_equal(points.positions, plain.positions)
+        with self.assertRaises(FileNotFoundError):
+            curvecast.scatter_file(mesh, 10)
+
     def test_follows_a_density(self) -> None:
         vertices, faces = torus(200, 100)
         points = curvecast.scatter(
@@ -136,7 +175,7 @@ class ScatterTest(unittest.TestCase):
         options: dict[str, dict[str, Any]] = {
             "points is 0": {"points": 0},
             "by their number": {"pixel_error": 2, "camera": curvecast.Camera((0, 0, 3))},
-            "no ranks": {"points": 10, "sampler": "progressive"},
+            "fixed ranks": {"points": 10, "sampler": "progressive"},
             "equal steps": {"points": 10, "sequence": "golden_ratio"},
             "relaxation_rounds": {"points": 10, "relaxation_rounds": 101},
             "crease_degrees": {"points": 10, "crease_degrees": -1},
