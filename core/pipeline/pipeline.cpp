@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/base/origin.h"
 #include "core/base/stopwatch.h"
 #include "core/base/with_threads.h"
 #include "core/curve/adaptive_quadtree.h"
@@ -117,13 +118,6 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   loaded->info.format = kFormatNames[static_cast<int>(*format)];
   seconds.repair = watch.lap();
   return loaded;
-}
-
-/// Where positions are taken relative to: the box's centre if floats would be too coarse so far out.
-Vec3d choose_origin(const Box3d& box) {
-  constexpr double kFarOut = 100;
-  const double reach = std::max(box.min.norm(), box.max.norm());
-  return reach > kFarOut * box.diagonal() ? box.center() : Vec3d(Vec3d::Zero());
 }
 
 /// omega N: what the curve is to have of vertices.

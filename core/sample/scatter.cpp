@@ -8,6 +8,7 @@
 
 #include "core/base/for_all.h"
 #include "core/base/memory_claim.h"
+#include "core/base/origin.h"
 #include "core/base/random.h"
 #include "core/curve/place_attributes.h"
 #include "core/sample/face_curve.h"
@@ -137,7 +138,7 @@ absl::StatusOr<PointSet> scatter(const TriangleMesh& mesh, const SurfaceData& da
   if (!(mass > 0 && std::isfinite(mass))) return nowhere_to_put_points();
   const Box3d box = bounding_box(mesh);
   PointSet points;
-  points.origin = box.center();
+  points.origin = choose_origin(box);
   points.positions.resize(options.points);
   points.normals.resize(options.points);
   points.radii.resize(options.points);

@@ -14,6 +14,7 @@ const POINTS = 500;
 let server: ChildProcessByStdio<null, Readable, null>;
 let client: Client<paths>;
 let session = "";
+let meshId = "";
 
 /** An octahedron whose faces are divided into four, so many times, on the unit sphere, as an OFF file. */
 function sphere(times: number): string {
@@ -82,6 +83,7 @@ describe("a client from the description", () => {
     });
     assert.ok(mesh, JSON.stringify(error));
     assert.equal(mesh.mesh?.faces, "2048");
+    meshId = mesh.meshId;
     const found = await client.GET("/v1/meshes/{mesh}", { params: { path: { mesh: mesh.meshId } } });
     assert.equal(found.data?.name, "sphere.off");
     const made = await client.POST("/v1/sessions", { body: { meshId: mesh.meshId, options: { maxPoints: "2000" } } });
@@ -127,6 +129,18 @@ describe("a client from the description", () => {
     for (let i = 0; i < POINTS; ++i) {
       const point = [0, 1, 2].map((axis) => data.positions![3 * i + axis]! + data.origin[axis]!);
       const distance = Math.hypot(...point);
+      assert.ok(distance > 0.98 && distance < 1.0001, `point ${i} is ${distance} from the middle`);
+    }
+  });
+
+  it("takes points of a mesh without a session", async () => {
+    const query = { n: POINTS, relax: 1, crease: 30, attributes: ["surface" as const] };
+    const { data, error } = await client.GET("/v1/meshes/{mesh}/points.json", { params: { path: { mesh: meshId }, query } });
+    assert.ok(data, JSON.stringify(error));
+    assert.equal(data.count, POINTS);
+    assert.equal(data.faces?.length, POINTS);
+    for (let i = 0; i < POINTS; ++i) {
+      const distance = Math.hypot(...[0, 1, 2].map((axis) => data.positions![3 * i + axis]! + data.origin[axis]!));
       assert.ok(distance > 0.98 && distance < 1.0001, `point ${i} is ${distance} from the middle`);
     }
   });
