@@ -56,7 +56,7 @@ class View:
     #: 0 to 100, of the equalised sampler: in so many rounds points move along the surface, away from their neighbours, to blue
     #: noise as even at large as before: 3 will do, 10 leave fewer holes. Not in a stream
     relaxation_rounds: int = 0
-    #: of curvatures, directions, scalars (the mesh's named values), rank (of progressive and scattered points), surface (faces, barycentric)
+    #: of curvatures, directions, scalars (the mesh's named values), rank (not of equalised points), surface (faces, barycentric)
     attributes: Sequence[str] = ()
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
     position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = as the camera's pixels ask for
