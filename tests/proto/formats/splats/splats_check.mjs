@@ -43,8 +43,9 @@ function writeSheet(name) {
 }
 
 function sampleAll(mesh, prefix, sampler = "progressive") {
+  const more = sampler === "scattered" ? ["--relax", "3"] : [];
   for (const [name, flags] of Object.entries(SPLATS)) {
-    curvecast("sample", mesh, "-n", String(COUNT), "--sampler", sampler, ...flags, "-o", join(folder, prefix + name));
+    curvecast("sample", mesh, "-n", String(COUNT), "--sampler", sampler, ...more, ...flags, "-o", join(folder, prefix + name));
   }
 }
 
@@ -122,8 +123,9 @@ const SCENES = [
   ["torus", torus, "", "progressive", RENDERERS, OF_TORUS],
   ["sheet", sheet, "sheet_", "progressive", RENDERERS, OF_SHEET],
   ["sheet", sheet, "jittered_", "equalised", RENDERERS.slice(1), OF_SHEET],
+  ["sheet", sheet, "scattered_", "scattered", RENDERERS.slice(1), OF_SHEET],
 ];
-const CLOSED = { progressive: 0.999, equalised: 0.995 }; // of the mesh's pixels, at least
+const CLOSED = { progressive: 0.999, equalised: 0.995, scattered: 0.999 }; // of the mesh's pixels, at least
 const BOUND = 1.5; // no point of a scene is farther from the origin
 
 /** How many pixels wide, in standard deviations, the splats of a scene are at most. */
