@@ -10,6 +10,7 @@
 #include "core/base/for_all.h"
 #include "core/base/memory_claim.h"
 #include "core/base/random.h"
+#include "core/base/reversed_bits.h"
 
 namespace curvecast {
 namespace {
@@ -35,8 +36,8 @@ class TakenPoints {
   void take(std::size_t i) {
     taken_[i / kLeaf] = static_cast<std::uint8_t>(taken_[i / kLeaf] | 1u << i % kLeaf);
     std::size_t node = i / kLeaf;
-    for (std::vector<Box>& level : levels_) {
-      level[node].add(positions_[i]);
+    for (std::vector<Eigen::AlignedBox3f>& level : levels_) {
+      level[node].extend(positions_[i]);
       node /= kBranch;
     }
   }
@@ -75,12 +76,6 @@ class TakenPoints {
   static constexpr std::size_t kNear = 4;               // leaves on both sides
   static constexpr std::size_t kMostLevels = 16;        // 8 4^16 points
 
-  struct Box {
-    Vec3f min = Vec3f::Constant(std::numeric_limits<float>::infinity());
-    Vec3f max = Vec3f::Constant(-std::numeric_limits<float>::infinity());
-    void add(const Vec3f& p) { min = min.cwiseMin(p), max = max.cwiseMax(p); }
-    float square_to(const Vec3f& p) const { return (min - p).cwiseMax(p - max).cwiseMax(0.0f).squaredNorm(); }
-  };
   struct Open {
     std::size_t level, node;
     float square;  // of the distance to its box
@@ -88,10 +83,10 @@ class TakenPoints {
 
   /// Adds a node's children that are nearer than `best`, the nearest last. Returns how many nodes are open then.
   std::size_t open_children(const Open& at, const Vec3f& p, float best, std::span<Open> open, std::size_t count) const {
-    const std::vector<Box>& below = levels_[at.level - 1];
+    const std::vector<Eigen::AlignedBox3f>& below = levels_[at.level - 1];
     const std::size_t begin = count, first = at.node * kBranch, end = std::min(first + kBranch, below.size());
     for (std::size_t child = first; child < end; ++child) {
-      const float square = below[child].square_to(p);
+      const float square = below[child].squaredExteriorDistance(p);
       if (!(square < best)) continue;
       std::size_t place = count++;
       for (; place > begin && open[place - 1].square < square; --place) open[place] = open[place - 1];
@@ -101,15 +96,9 @@ class TakenPoints {
   }
 
   const std::span<const Vec3f> positions_;
-  std::vector<std::uint8_t> taken_;       // a bit for each point of a leaf
-  std::vector<std::vector<Box>> levels_;  // around what is taken in each node; leaves first
+  std::vector<std::uint8_t> taken_;                       // a bit for each point of a leaf
+  std::vector<std::vector<Eigen::AlignedBox3f>> levels_;  // around what is taken in each node; leaves first
 };
-
-std::uint64_t reversed(std::uint64_t value, int bits) {
-  std::uint64_t out = 0;
-  for (int i = 0; i < bits; ++i) out |= (value >> i & 1) << (bits - 1 - i);
-  return out;
-}
 
 class NestedOrder {
  public:
@@ -159,7 +148,7 @@ class NestedOrder {
       for (std::uint64_t begin = 0; begin < parts; begin += at_once) {
         if (absl::Status status = context.check(); !status.ok()) return status;
         for_blocks(context, at_once, kGrain, [&](std::size_t first, std::size_t last) {
-          for (std::size_t k = first; k < last; ++k) chosen[k] = choose(reversed(begin + k, 2 * level), turn);
+          for (std::size_t k = first; k < last; ++k) chosen[k] = choose(reversed_bits(begin + k, 2 * level), turn);
         });
         for (const Choice& choice : chosen) {
           if (choice.point == kNobody) continue;

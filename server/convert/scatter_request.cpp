@@ -8,7 +8,7 @@
 namespace curvecast::server {
 namespace {
 
-void check(FieldValidator& check, const v1::SampleRequest& sample) {
+void check_sample(FieldValidator& check, const v1::SampleRequest& sample) {
   if (sample.budget_case() != v1::SampleRequest::kPoints) {
     check.fail("sample", "does not say how many points; they are scattered by their number, not within a budget");
   }
@@ -23,10 +23,10 @@ void check(FieldValidator& check, const v1::SampleRequest& sample) {
 }  // namespace
 
 absl::StatusOr<ScatterRequest> to_scatter_request(const v1::SampleRequest& sample, std::optional<double> crease_degrees) {
-  FieldValidator validator;
-  check(validator, sample);
-  if (crease_degrees) validator.in_range("crease_degrees", *crease_degrees, 0.0, 180.0);
-  if (!validator.ok()) return validator.status();
+  FieldValidator check;
+  check_sample(check, sample);
+  if (crease_degrees) check.in_range("crease_degrees", *crease_degrees, 0.0, 180.0);
+  if (!check.ok()) return check.status();
   // Of the equalised sampler, as which these points are, there would be no ranks.
   v1::SampleRequest rest = sample;
   const auto is_rank = [](int attribute) { return attribute == v1::POINT_ATTRIBUTE_RANK; };

@@ -104,13 +104,6 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     push(std::move(response));
     return absl::OkStatus();
   }
-
-  void push_progress(std::string_view stage, double fraction) {
-    v1::MeasureResponse response;
-    response.mutable_progress()->set_stage(std::string(stage));
-    response.mutable_progress()->set_fraction(fraction);
-    push(std::move(response));
-  }
 };
 
 }  // namespace

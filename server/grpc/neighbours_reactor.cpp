@@ -46,12 +46,7 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
     ExecutionContext context;
     context.cancel = &cancel_flag();
     context.memory = &memory;
-    context.on_progress = [this](std::string_view stage, double fraction) {
-      v1::FindNeighboursResponse response;
-      response.mutable_progress()->set_stage(std::string(stage));
-      response.mutable_progress()->set_fraction(fraction);
-      push(std::move(response));
-    };
+    context.on_progress = [this](std::string_view stage, double fraction) { push_progress(stage, fraction); };
     const ImprovementRequests improvements = engine.improvement_requests(session, points, engine.new_source());
     return push_all([&](const auto& push_message) {
       return find_neighbours(*session, points, search, engine.view_cache, improvements, context,

@@ -48,12 +48,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     context.cancel = &cancel_flag();
     context.memory = &memory;
     context.threads = engine.threads;
-    context.on_progress = [this](std::string_view stage, double fraction) {
-      v1::RemeshResponse response;
-      response.mutable_progress()->set_stage(std::string(stage));
-      response.mutable_progress()->set_fraction(fraction);
-      push(std::move(response));
-    };
+    context.on_progress = [this](std::string_view stage, double fraction) { push_progress(stage, fraction); };
     const absl::StatusOr<SessionMesh> mesh = make_session_mesh(session, points, options, engine.view_cache, context);
     if (!mesh.ok()) return mesh.status();
     return push_all([&](const auto& push_chunk) { return make_mesh_chunks(*mesh, *session.curve(), push_chunk); });

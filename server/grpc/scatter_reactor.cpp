@@ -67,13 +67,6 @@ class ScatterReactor final : public WriteQueue<v1::ScatterResponse> {
     });
   }
 
-  void push_progress(std::string_view stage, double fraction) {
-    v1::ScatterResponse response;
-    response.mutable_progress()->set_stage(std::string(stage));
-    response.mutable_progress()->set_fraction(fraction);
-    push(std::move(response));
-  }
-
   bool replaces(const v1::ScatterResponse& newer, const v1::ScatterResponse& older) const override {
     return newer.has_progress() && older.has_progress();
   }

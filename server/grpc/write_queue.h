@@ -8,6 +8,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/base/mutex.h"
@@ -73,6 +74,14 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     count(bytes_of(message));
     queue_.push_back(std::move(message));
     write_next();
+  }
+
+  /// Queues how far a stage is, for responses that tell of progress.
+  void push_progress(std::string_view stage, double fraction) ABSL_LOCKS_EXCLUDED(mutex_) {
+    Response response;
+    response.mutable_progress()->set_stage(std::string(stage));
+    response.mutable_progress()->set_fraction(fraction);
+    push(std::move(response));
   }
 
   /// Queues what `make` makes, as long as the client has not gone and not too much waits for clients to read it. `make` gets the

@@ -62,27 +62,23 @@ std::uint64_t curve_points(std::uint64_t points) {
 absl::StatusOr<std::shared_ptr<LocalSurface>> LocalSurface::make(PolygonSoup soup, const std::string& name,
                                                                  const v1::SessionOptions& options, bool prepares,
                                                                  const ExecutionContext& context) {
-  const absl::StatusOr<Options> wanted = to_options(options);
-  if (!wanted.ok()) return wanted.status();
-  absl::StatusOr<LoadedMesh> loaded = load_mesh(std::move(soup), name, context);
-  if (!loaded.ok()) return loaded.status();
-  if (!prepares) return std::make_shared<LocalSurface>(*std::move(loaded), name, wanted->preprocess, wanted->is_sized);
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(*std::move(loaded), wanted->preprocess, context);
-  if (!flattened.ok()) return flattened.status();
-  return std::make_shared<LocalSurface>(*std::move(flattened), name, wanted->preprocess, wanted->is_sized);
+  return of(name, options, prepares, context, [&] { return load_mesh(std::move(soup), name, context); });
 }
 
 absl::StatusOr<std::shared_ptr<LocalSurface>> LocalSurface::read(const MeshFile& file, const v1::SessionOptions& options,
                                                                  bool prepares, const ExecutionContext& context) {
+  return of(std::string(file.name), options, prepares, context, [&] { return load_mesh(file, context); });
+}
+
+absl::StatusOr<std::shared_ptr<LocalSurface>> LocalSurface::of(const std::string& name, const v1::SessionOptions& options,
+                                                               bool prepares, const ExecutionContext& context,
+                                                               const std::function<absl::StatusOr<LoadedMesh>()>& load) {
   const absl::StatusOr<Options> wanted = to_options(options);
   if (!wanted.ok()) return wanted.status();
-  const std::string name(file.name);
-  if (!prepares) {
-    absl::StatusOr<LoadedMesh> loaded = load_mesh(file, context);
-    if (!loaded.ok()) return loaded.status();
-    return std::make_shared<LocalSurface>(*std::move(loaded), name, wanted->preprocess, wanted->is_sized);
-  }
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, wanted->preprocess, context);
+  absl::StatusOr<LoadedMesh> loaded = load();
+  if (!loaded.ok()) return loaded.status();
+  if (!prepares) return std::make_shared<LocalSurface>(*std::move(loaded), name, wanted->preprocess, wanted->is_sized);
+  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(*std::move(loaded), wanted->preprocess, context);
   if (!flattened.ok()) return flattened.status();
   return std::make_shared<LocalSurface>(*std::move(flattened), name, wanted->preprocess, wanted->is_sized);
 }

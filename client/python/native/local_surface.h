@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -79,6 +80,10 @@ class LocalSurface {
   absl::StatusOr<std::vector<double>> distances(std::span<const Vec3d> points, const ExecutionContext& context);
 
  private:
+  /// A surface of the mesh that `load` gives.
+  static absl::StatusOr<std::shared_ptr<LocalSurface>> of(const std::string& name, const v1::SessionOptions& options,
+                                                          bool prepares, const ExecutionContext& context,
+                                                          const std::function<absl::StatusOr<LoadedMesh>()>& load);
   /// The session that a request is for: with a curve for as many points and, for ranked ones, with its seed. Made when it is
   /// first asked for. OutOfRange: more points than are made.
   absl::StatusOr<std::shared_ptr<const server::Session>> session(const server::PointSetRequest& request,
